@@ -1,0 +1,152 @@
+/* arena.c: memory with one owner. */
+#include "base/arena.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct arena_block {
+    struct arena_block *before;
+    size_t size, used;                  /* bytes, this header included */
+};
+
+enum { ALIGN = 16, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22 };
+
+void arena_init(struct arena *a, struct budget *budget)
+{
+    *a = (struct arena) { .budget = budget };
+}
+
+static void fail(const struct arena *a)
+{
+    if (a->budget && a->budget->exceeded)
+        a->budget->exceeded(a->budget->limit);
+    fputs("rtc: out of memory\n", stderr);
+    exit(4);
+}
+
+static void charge(struct arena *a, size_t size)
+{
+    if (!a->budget)
+        return;
+    size_t used = atomic_fetch_add(&a->budget->used, size) + size;
+    if (a->budget->limit && used > a->budget->limit)
+        fail(a);
+}
+
+/* Blocks double, so that a small scene costs one page or four and a large
+ * one few calls; zeroed by calloc, which the system gives for nothing. */
+static struct arena_block *new_block(struct arena *a, size_t need)
+{
+    size_t size = a->block ? a->block->size * 2 : FIRST_BLOCK;
+
+    if (size > LARGEST_STEP)
+        size = LARGEST_STEP;
+    if (size < need)
+        size = need;
+    charge(a, size);
+    struct arena_block *b = calloc(1, size);
+    if (!b)
+        fail(a);
+    b->size = size;
+    b->used = (sizeof *b + ALIGN - 1) & ~(size_t)(ALIGN - 1);
+    b->before = a->block;
+    a->block = b;
+    return b;
+}
+
+void *arena_alloc_aligned(struct arena *a, size_t size, size_t align)
+{
+    if (size > SIZE_MAX / 4)
+        fail(a);
+    struct arena_block *b = a->block;
+    if (b) {
+        uintptr_t at = ((uintptr_t)b + b->used + align - 1) & ~(uintptr_t)(align - 1);
+        size_t used = at - (uintptr_t)b + size;
+        if (used <= b->size) {
+            b->used = used;
+            return (void *)at;
+        }
+    }
+    new_block(a, size + align + sizeof *b + ALIGN);
+    return arena_alloc_aligned(a, size, align);
+}
+
+void *arena_alloc(struct arena *a, size_t size)
+{
+    return arena_alloc_aligned(a, size, ALIGN);
+}
+
+void *arena_array(struct arena *a, size_t n, size_t size)
+{
+    size_t total;
+
+    if (__builtin_mul_overflow(n, size, &total))
+        fail(a);
+    return arena_alloc(a, total);
+}
+
+void *arena_copy(struct arena *a, const void *from, size_t size)
+{
+    void *to = arena_alloc(a, size);
+
+    if (size)
+        memcpy(to, from, size);
+    return to;
+}
+
+char *arena_text(struct arena *a, const char *text, size_t length)
+{
+    char *copy = arena_alloc(a, length + 1);
+
+    if (length)
+        memcpy(copy, text, length);
+    return copy;
+}
+
+char *arena_format(struct arena *a, const char *format, ...)
+{
+    va_list args, again;
+
+    va_start(args, format);
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, args);
+    char *text = arena_alloc(a, (size_t)length + 1);
+    vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    va_end(args);
+    return text;
+}
+
+size_t arena_size(const struct arena *a)
+{
+    size_t size = 0;
+
+    for (const struct arena_block *b = a->block; b; b = b->before)
+        size += b->size;
+    return size;
+}
+
+void arena_free(struct arena *a)
+{
+    if (a->budget)
+        atomic_fetch_sub(&a->budget->used, arena_size(a));
+    while (a->block) {
+        struct arena_block *before = a->block->before;
+        free(a->block);
+        a->block = before;
+    }
+}
+
+void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t size)
+{
+    if (n < *room)
+        return items;
+    *room = *room ? *room * 2 : 8;
+    void *more = arena_array(a, *room, size);
+    if (n)
+        memcpy(more, items, n * size);
+    return more;
+}

@@ -1,0 +1,58 @@
+/* reader.h: a block's body as a stream of evaluated items.
+ *
+ * The parser makes a tree of flat items.  A reader walks one body, carries
+ * out the directives it meets, expands macro calls and includes in place, and
+ * hands the builders what is left: values, words, blocks, entries, commas. */
+#ifndef RTC_READER_H
+#define RTC_READER_H
+
+#include <stdbool.h>
+
+#include "lang/value.h"
+
+struct lang;                            /* the whole state: lang.h */
+struct ast;                             /* a node of the tree: ast.h */
+struct word;                            /* a reserved word: words.h */
+
+enum item_kind {
+    ITEM_END,                           /* the closing brace */
+    ITEM_VALUE,                         /* any value: a number, a text, a declared texture ... */
+    ITEM_WORD,                          /* a reserved word that takes no block here */
+    ITEM_BLOCK,                         /* a reserved word and its { } */
+    ITEM_ENTRY,                         /* [ ... ] of a map */
+    ITEM_COMMA,
+    ITEM_NAME,                          /* a name that is not declared */
+};
+
+struct item {
+    enum item_kind kind;
+    struct loc at;                      /* of the whole item's first word or value */
+    const struct word *word;            /* WORD and BLOCK */
+    const char *text;                   /* the word or name as written */
+    struct value value;                 /* VALUE */
+    const char *name;                   /* VALUE: the declared name it came from alone, or NULL */
+    const struct ast *body;             /* BLOCK and ENTRY: open a reader on it */
+    struct loc brace;                   /* BLOCK and ENTRY: the opening brace, for notes */
+};
+
+struct reader;                          /* lang.h holds the struct; readers live on the C stack */
+
+/* Opens the body of a block or entry; counts nesting. */
+void reader_open(struct reader *r, struct lang *lang, const struct ast *body);
+void reader_close(struct reader *r);    /* also after an error; runs nothing more */
+
+const struct item *reader_peek(struct reader *r);   /* the same until reader_next */
+struct item reader_next(struct reader *r);          /* ITEM_END again and again at the end */
+bool reader_skip_comma(struct reader *r);           /* takes one if it is next */
+bool reader_takes_word(struct reader *r, const char *word); /* takes that word if it is next */
+
+/* One value of the wanted shape, with an optional comma before it when
+ * comma; on any other item an error that names what ("radius of sphere") is
+ * reported and a harmless value returned, the item left in place.
+ * Promotion follows facts sdl.md 2.3. */
+double reader_number(struct reader *r, bool comma, const char *what);
+bool reader_vector(struct reader *r, bool comma, int n, double *v, const char *what);
+const char *reader_text(struct reader *r, bool comma, const char *what);
+bool reader_is_number(struct reader *r);            /* is a number of any size next? */
+
+#endif

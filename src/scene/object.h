@@ -1,0 +1,98 @@
+/* object.h: shapes placed in the world, and their combinations. */
+#ifndef RTC_OBJECT_H
+#define RTC_OBJECT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/source.h"
+#include "math/mat.h"
+#include "scene/texture.h"
+#include "shape/shape.h"
+
+enum object_kind {
+    OBJECT_SHAPE,                       /* ops and shape */
+    OBJECT_MESH,
+    OBJECT_UNION,                       /* all surfaces of the children */
+    OBJECT_MERGE,                       /* a union without inner surfaces */
+    OBJECT_INTERSECTION,
+    OBJECT_DIFFERENCE,                  /* the first child less the others */
+    OBJECT_LIGHT,                       /* a light among a union's children */
+};
+
+enum object_flag {
+    OBJECT_INVERSE            = 1 << 0,     /* inside and outside change places */
+    OBJECT_NO_SHADOW          = 1 << 1,
+    OBJECT_NO_IMAGE           = 1 << 2,
+    OBJECT_NO_REFLECTION      = 1 << 3,
+    OBJECT_HOLLOW             = 1 << 4,
+    OBJECT_DOUBLE_ILLUMINATE  = 1 << 5,
+    OBJECT_CUTAWAY_TEXTURES   = 1 << 6,
+    OBJECT_NO_RADIOSITY       = 1 << 7,
+    OBJECT_UV_MAPPING         = 1 << 8,
+};
+
+/* Triangles that share vertices.  Single precision, as the meshes of
+ * POV-Ray, would lose far from the origin: rtc keeps doubles. */
+struct mesh {
+    const vec3 *vertex;
+    size_t n_vertex;
+    const vec3 *normal;                 /* of unit length; NULL: all flat */
+    size_t n_normal;
+    const vec2 *uv;                     /* NULL: none */
+    size_t n_uv;
+    struct mesh_face {
+        uint32_t vertex[3];
+        uint32_t normal[3];             /* MESH_NONE: a flat face */
+        uint32_t uv[3];                 /* MESH_NONE */
+        uint32_t texture[3];            /* of mesh->texture; MESH_NONE: the object's; often three times the same */
+    } *face;
+    size_t n_face;
+    const struct texture **texture;
+    size_t n_texture;
+    vec3 inside_vector;                 /* 0: the mesh has no inside */
+};
+#define MESH_NONE UINT32_MAX
+
+/* A node of what the user wrote.  Everything in it is in the node's outer
+ * space (its parent's) except the shape and the children, which are in its
+ * inner one: transforms given after a texture move the texture too, by
+ * composing with its place; those before do not. */
+struct object {
+    enum object_kind kind;
+    unsigned flags;                     /* enum object_flag */
+    unsigned flags_given;               /* said by this node itself; the others come from the parent */
+    const struct shape_ops *ops;
+    const void *shape;
+    const struct mesh *mesh;
+    const struct light *light;          /* OBJECT_LIGHT */
+    const struct object **child;
+    size_t n_child;
+    struct transform place;             /* outer from inner */
+    const struct texture *texture;      /* bottom layer; NULL: the parent's */
+    const struct texture *interior_texture;
+    const struct interior *interior;    /* NULL: the parent's */
+    const struct object **clip;         /* clipped_by, in outer space */
+    size_t n_clip;
+    const struct object **bound;        /* bounded_by, in outer space */
+    size_t n_bound;
+    struct loc at;                      /* for messages and dumps */
+    const char *name;                   /* it was declared under, or NULL */
+};
+
+/* A node that may be changed freely, sharing all that it points to. */
+struct object *object_copy(struct arena *mem, const struct object *o);
+
+/* Moves a node, its textures, clips and bounds by t (outer from outer). */
+void object_move(struct arena *mem, struct object *o, const struct transform *t);
+const struct texture *texture_move(struct arena *mem, const struct texture *layers,
+                                   const struct transform *t);
+
+/* In the node's outer space; used by min_extent, max_extent and the plan. */
+struct bounds object_bounds(const struct object *o);
+struct bounds bounds_move(const struct bounds *b, const struct transform *t);
+bool object_inside(const struct object *o, vec3 p);     /* p in outer space */
+bool object_is_solid(const struct object *o);           /* has an inside */
+
+#endif

@@ -1,0 +1,91 @@
+/* pigment.h: colours over space: plain, by a pattern, or from an image. */
+#ifndef RTC_PIGMENT_H
+#define RTC_PIGMENT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/field.h"
+#include "math/mat.h"
+#include "math/vec.h"
+#include "pattern/pattern.h"
+
+/* Pixels ready for use: in the scene's working space, alpha as transmit. */
+struct image {
+    unsigned width, height;
+    colour *pixel;                      /* top row first */
+    bool has_transparency;              /* some pixel's filter or transmit is not 0 */
+};
+
+enum wave_type { WAVE_RAMP, WAVE_TRIANGLE, WAVE_SINE, WAVE_SCALLOP, WAVE_CUBIC, WAVE_POLY };
+
+struct turbulence {
+    vec3 amount;                        /* 0: none */
+    double lambda, omega;
+    int octaves;
+};
+
+/* What stands between a point and the pattern's number, and between that
+ * number and the map. */
+struct pattern_use {
+    const struct pattern_ops *ops;
+    const void *self;
+    double frequency, phase, exponent;  /* exponent: of poly_wave */
+    enum wave_type wave;
+    struct turbulence turbulence;
+    const struct warp *warps;           /* none yet */
+};
+
+/* Value v maps to what the entries at both sides say, mixed linearly; beyond
+ * the ends the end entry holds (facts patterns.md). */
+struct map_entry {
+    double value;
+    colour colour;                      /* in a colour map */
+    const struct pigment *pigment;      /* in a pigment map or list */
+    const struct texture *texture;      /* in a texture map or list */
+    const struct normal *normal;        /* in a normal map */
+};
+
+enum pigment_kind {
+    PIGMENT_COLOUR,                     /* one colour */
+    PIGMENT_COLOUR_MAP,                 /* pattern, and a map of colours or a list of them */
+    PIGMENT_PIGMENT_MAP,                /* pattern, and a map or list of pigments */
+    PIGMENT_IMAGE,
+    PIGMENT_AVERAGE,                    /* pigments with weights in value */
+};
+
+enum { MAP_PLANAR = 0, MAP_SPHERICAL = 1, MAP_CYLINDRICAL = 2, MAP_TOROIDAL = 5 };
+enum { INTERPOLATE_NONE = 0, INTERPOLATE_BILINEAR = 2, INTERPOLATE_BICUBIC = 3,
+       INTERPOLATE_DISTANCE = 4 };
+
+struct image_use {
+    const struct image *image;
+    int map_type, interpolate;
+    bool once;
+    double filter_all, transmit_all;    /* added to every pixel's */
+};
+
+struct pigment {
+    enum pigment_kind kind;
+    colour colour;
+    colour quick_colour;
+    bool has_quick_colour;
+    struct pattern_use pattern;
+    struct map_entry *entry;            /* of the map or list; NULL with n 0: the pattern's default */
+    size_t n_entry;
+    struct image_use image;
+    struct transform place;             /* texture's space from the pigment's */
+    bool uv_mapping;
+};
+
+/* Perturbed normals; which kinds there are comes with a later issue. */
+struct normal {
+    struct pattern_use pattern;
+    double amount, accuracy;
+    struct transform place;
+    bool no_bump_scale;
+};
+
+extern const struct pigment pigment_default;        /* black, opaque */
+
+#endif

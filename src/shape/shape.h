@@ -1,0 +1,90 @@
+/* shape.h: what every primitive is.
+ *
+ * A shape lives in its own space: no matrix, texture or light reaches it.
+ * A row of shapes[] holds its words and its functions.  A newcomer writes
+ * NAME.c, a row in shapes.c and a line in Makefile.am. */
+#ifndef RTC_SHAPE_H
+#define RTC_SHAPE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+#include "base/field.h"
+#include "math/vec.h"
+
+struct ray { vec3 origin, dir; };       /* dir of any length but 0; t counts in its lengths */
+
+static inline vec3 ray_at(struct ray r, double t) { return vec_fma(r.origin, t, r.dir); }
+
+/* Where a line meets a surface.  slack bounds the distance between the
+ * computed point ray_at(t) and the true surface, in the shape's own units: a
+ * ray that starts there starts outside of it. */
+struct hit {
+    double t;
+    double slack;
+    float u, v;                         /* the shape's own: barycentric, segment and the like */
+    uint32_t part;                      /* the shape's own: face, cap, segment */
+};
+
+struct bounds { vec3 low, high; };      /* may be infinite; low > high: empty */
+
+enum { SHAPE_MOST_HITS = 64 };          /* the largest most_hits of any row */
+
+struct shape_ops {
+    const char *name;                   /* the word of the language */
+    const char *help;                   /* one line */
+    size_t size;                        /* of the shape's struct */
+    const void *defaults;               /* of that size */
+    const struct field *args;           /* values of the header, in order; NULL name ends */
+    size_t n_required;                  /* how many of args must be there */
+    const struct field *words;          /* words of the body, NULL: none */
+    bool is_solid;                      /* has an inside: hits alternate in and out */
+    bool is_infinite;                   /* no finite bounds */
+    int most_hits;                      /* that hits() ever returns */
+
+    /* Checks and completes the struct once, so that the other functions
+     * check nothing.  NULL: fine.  Otherwise what is wrong ("zero radius");
+     * the caller then warns and leaves the shape out. */
+    const char *(*prepare)(void *self, struct arena *mem);
+
+    struct bounds (*bounds)(const void *self);
+
+    /* Every crossing of the whole line, t of either sign, in increasing t;
+     * for a solid they alternate, and starts_inside tells whether the line
+     * comes from the inside at t = -infinity (only infinite solids do). */
+    int (*hits)(const void *self, struct ray ray, struct hit out[]);
+    bool (*starts_inside)(const void *self, vec3 dir);      /* NULL: never */
+
+    bool (*inside)(const void *self, vec3 p);               /* NULL: nothing is inside */
+    vec3 (*normal)(const void *self, vec3 p, const struct hit *h);   /* outward; any length */
+    vec2 (*uv)(const void *self, vec3 p, const struct hit *h);       /* NULL: (x, y) of the world */
+
+    /* The nearest crossing with near < t < far: what hits() would say, found
+     * faster.  NULL: the caller uses hits(). */
+    bool (*nearest)(const void *self, struct ray ray, double near, double far, struct hit *out);
+};
+
+extern const struct shape_ops *const shapes[];      /* NULL ends */
+const struct shape_ops *shape_find(const char *name);
+
+#define BOUNDS_EMPTY ((struct bounds) { { INFINITY, INFINITY, INFINITY }, \
+                                        { -INFINITY, -INFINITY, -INFINITY } })
+#define BOUNDS_ALL ((struct bounds) { { -INFINITY, -INFINITY, -INFINITY }, \
+                                      { INFINITY, INFINITY, INFINITY } })
+
+static inline struct bounds bounds_join(struct bounds a, struct bounds b)
+{
+    return (struct bounds) {
+        { fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z) },
+        { fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z) } };
+}
+
+static inline struct bounds bounds_meet(struct bounds a, struct bounds b)
+{
+    return (struct bounds) {
+        { fmax(a.low.x, b.low.x), fmax(a.low.y, b.low.y), fmax(a.low.z, b.low.z) },
+        { fmin(a.high.x, b.high.x), fmin(a.high.y, b.high.y), fmin(a.high.z, b.high.z) } };
+}
+
+#endif

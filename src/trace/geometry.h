@@ -1,0 +1,61 @@
+/* geometry.h: rays against everything: trees, CSG, meshes, instances. */
+#ifndef RTC_GEOMETRY_H
+#define RTC_GEOMETRY_H
+
+#include "trace/plan.h"
+
+/* What a ray met.  leaf NO_LEAF: nothing. */
+struct meeting {
+    double t;                           /* along the world ray, in lengths of its direction */
+    struct hit hit;                     /* the shape's own words, t and slack in its own space */
+    uint32_t leaf;
+    uint32_t instance;                  /* NO_INSTANCE: the leaf is in the world */
+    bool flipped;                       /* the outward normal is turned by CSG or inverse */
+};
+
+/* Per thread: stacks, spans, statistics, the last blocker per light. */
+struct scratch;
+struct scratch *scratch_new(const struct plan *p, struct arena *mem);
+
+/* Makes plan->leaf and plan->geometry from plan->scene; surface_of (surface.c)
+ * is called once for each distinct look and returns its number. */
+void geometry_build(struct plan *p, unsigned threads);
+
+/* The nearest meeting with 0 < t < far that mask may see. */
+bool geometry_nearest(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                      uint8_t mask, struct meeting *out);
+
+/* Does an opaque caster stand between?  light: which light asks (for its
+ * last-blocker cache).  Casters that let light through are not counted. */
+bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                      uint32_t light);
+
+/* All meetings with casters that are not opaque, 0 < t < far, nearest first;
+ * calls visit for each until it returns false. */
+void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                        bool (*visit)(void *arg, const struct meeting *m), void *arg);
+
+/* Solids with an interior that contain p: their surfaces, in order of
+ * declaration.  For cameras inside things. */
+size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint32_t surface[],
+                       size_t room);
+
+/* The surface at a meeting, in the world.  slack: a new ray starts at
+ * point +- slack * normal, on the side it goes to. */
+struct surface_point {
+    vec3 point;                         /* world */
+    vec3 local;                         /* in the instance's space; equals point outside of one */
+    vec3 normal;                        /* world, unit, outward as the solid sees it */
+    vec2 uv;
+    double slack;                       /* world units */
+    uint32_t surface;                   /* of plan->surface */
+    uint32_t texture[3];                /* of a mesh face: MESH_NONE mostly */
+    float weight[3];                    /* barycentric, with texture[] */
+};
+void geometry_point(const struct plan *p, struct ray ray, const struct meeting *m,
+                    struct surface_point *out);
+
+struct geometry_counts { unsigned long long rays, shadow_rays, box_tests, leaf_tests, csg_tests; };
+struct geometry_counts scratch_counts(const struct scratch *s);
+
+#endif
