@@ -1,0 +1,227 @@
+/* check_base.c: arenas, names, sources, messages. */
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/diag.h"
+#include "base/name.h"
+
+static struct arena mem;
+
+static void setup(void) { arena_init(&mem, NULL); }
+static void teardown(void) { arena_free(&mem); }
+
+START_TEST(test_memory_is_zeroed_and_aligned)
+{
+    for (size_t size = 1; size < 100000; size = size * 3 + 1) {
+        char *p = arena_alloc(&mem, size);
+        ck_assert_uint_eq((uintptr_t)p % 16, 0);
+        for (size_t i = 0; i < size; i++)
+            ck_assert_int_eq(p[i], 0);
+        memset(p, 0xff, size);
+    }
+    ck_assert_uint_eq((uintptr_t)arena_alloc_aligned(&mem, 10, 64) % 64, 0);
+}
+END_TEST
+
+START_TEST(test_a_budget_counts_what_arenas_hold_and_lets_go)
+{
+    struct budget budget = { .limit = 0 };
+    struct arena a;
+
+    arena_init(&a, &budget);
+    arena_alloc(&a, 1000000);
+    ck_assert_uint_ge(budget.used, 1000000);
+    ck_assert_uint_eq(budget.used, arena_size(&a));
+    arena_free(&a);
+    ck_assert_uint_eq(budget.used, 0);
+}
+END_TEST
+
+static void leave(size_t limit) { exit(limit == 100000 ? 4 : 5); }
+
+START_TEST(test_beyond_the_budget_the_handler_is_called)
+{
+    struct budget budget = { .limit = 100000, .exceeded = leave };
+    struct arena a;
+
+    arena_init(&a, &budget);
+    for (;;)
+        arena_alloc(&a, 1000);
+}
+END_TEST
+
+START_TEST(test_an_overflowing_array_is_a_limit_and_not_a_small_block)
+{
+    struct budget budget = { .limit = 100000, .exceeded = leave };
+    struct arena a;
+
+    arena_init(&a, &budget);
+    arena_array(&a, SIZE_MAX / 4, 8);
+}
+END_TEST
+
+START_TEST(test_equal_text_is_an_equal_pointer)
+{
+    struct names t;
+    char text[16];
+
+    names_init(&t, &mem);
+    struct name *first = name_intern(&t, "sphere", 6);
+    for (int i = 0; i < 5000; i++) {
+        int n = snprintf(text, sizeof text, "n%d", i);
+        ck_assert_ptr_eq(name_intern(&t, text, n), name_intern(&t, text, n));
+    }
+    ck_assert_ptr_eq(name_intern(&t, "sphere", 6), first);
+    ck_assert_ptr_null(name_find(&t, "spher", 5));
+    ck_assert_uint_eq(t.n, 5001);
+}
+END_TEST
+
+START_TEST(test_distance_counts_edits_and_swaps)
+{
+    ck_assert_uint_eq(name_distance("phong", "phong", 3), 0);
+    ck_assert_uint_eq(name_distance("phnog", "phong", 3), 1);
+    ck_assert_uint_eq(name_distance("pigmnet", "pigment", 3), 1);
+    ck_assert_uint_eq(name_distance("Sphere", "sphere", 3), 1);
+    ck_assert_uint_eq(name_distance("box", "sphere", 9), 6);
+    ck_assert_uint_eq(name_distance("", "abc", 9), 3);
+}
+END_TEST
+
+START_TEST(test_every_kind_of_line_end_counts_once)
+{
+    static const char text[] = "a\nb\r\nc\rd\n\re";
+    struct sources s;
+    size_t length;
+
+    sources_init(&s, &mem);
+    uint32_t n = source_add(&s, "x", text, sizeof text - 1, (struct loc) { 0, 0, 0 });
+    for (uint32_t i = 0, line = 1; text[i]; i++)
+        if (strchr("abcde", text[i])) {
+            struct position p = source_position(&s, n, i);
+            ck_assert_uint_eq(p.line, line);
+            ck_assert_uint_eq(p.column, 1);
+            ck_assert(*source_line(&s, n, line, &length) == text[i] && length == 1);
+            line++;
+        }
+}
+END_TEST
+
+START_TEST(test_a_folder_is_no_source)
+{
+    struct sources s;
+    uint32_t n;
+
+    sources_init(&s, &mem);
+    ck_assert(!source_read(&s, "/", (struct loc) { 0, 0, 0 }, 0, &n));
+    ck_assert(!source_read(&s, "/nonexistent", (struct loc) { 0, 0, 0 }, 0, &n));
+}
+END_TEST
+
+static char *said(enum diag_style style, void (*speak)(struct diag *, struct loc))
+{
+    static char text[4096];
+    struct sources s;
+    struct diag d;
+    FILE *f = fmemopen(text, sizeof text, "w");
+
+    sources_init(&s, &mem);
+    uint32_t n = source_add(&s, "table.pov", "\n  finish { phnog 0.9 }\n", 23,
+                            (struct loc) { 0, 0, 0 });
+    diag_init(&d, &s, f);
+    d.style = style;
+    speak(&d, (struct loc) { n, 12, 17 });
+    diag_end(&d);
+    fclose(f);
+    return text;
+}
+
+static void one_error(struct diag *d, struct loc at)
+{
+    diag_error(d, at, "unknown word '%s'", "phnog");
+    diag_note(d, at, "here");
+}
+
+START_TEST(test_a_message_has_place_line_and_caret)
+{
+    ck_assert_str_eq(said(DIAG_FULL, one_error),
+                     "table.pov:2:12: error: unknown word 'phnog'\n"
+                     "    finish { phnog 0.9 }\n"
+                     "             ^~~~~\n"
+                     "table.pov:2:12: note: here\n"
+                     "    finish { phnog 0.9 }\n"
+                     "             ^~~~~\n");
+    ck_assert_str_eq(said(DIAG_SHORT, one_error),
+                     "table.pov:2:12: error: unknown word 'phnog'\ntable.pov:2:12: note: here\n");
+}
+END_TEST
+
+START_TEST(test_json_is_one_object_a_message_with_its_notes)
+{
+    ck_assert_str_eq(said(DIAG_JSON, one_error),
+                     "{\"severity\":\"error\",\"file\":\"table.pov\",\"line\":2,\"column\":12,"
+                     "\"endLine\":2,\"endColumn\":17,\"message\":\"unknown word 'phnog'\","
+                     "\"notes\":[{\"severity\":\"note\",\"file\":\"table.pov\",\"line\":2,"
+                     "\"column\":12,\"endLine\":2,\"endColumn\":17,\"message\":\"here\"}]}\n");
+}
+END_TEST
+
+static void many(struct diag *d, struct loc at)
+{
+    for (int i = 0; i < 100; i++)
+        diag_error(d, at, "no");
+    diag_warning(d, at, "neither");
+    ck_assert_uint_eq(d->errors, 100);
+}
+
+START_TEST(test_no_more_than_twenty_errors_are_shown)
+{
+    int lines = 0;
+
+    for (const char *c = said(DIAG_SHORT, many); *c; c++)
+        lines += *c == '\n';
+    ck_assert_int_eq(lines, 20);
+}
+END_TEST
+
+static void unsupported(struct diag *d, struct loc at)
+{
+    diag_unsupported(d, at, "media");
+    diag_unsupported(d, at, "media");
+    diag_unsupported(d, at, "fog");
+}
+
+START_TEST(test_a_missing_feature_is_named_once)
+{
+    ck_assert_str_eq(said(DIAG_SHORT, unsupported),
+                     "table.pov:2:12: warning: media is not supported yet; ignored\n"
+                     "table.pov:2:12: warning: fog is not supported yet; ignored\n");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *s = suite_create("base");
+    TCase *t = tcase_create("base");
+
+    tcase_add_checked_fixture(t, setup, teardown);
+    tcase_add_test(t, test_memory_is_zeroed_and_aligned);
+    tcase_add_test(t, test_a_budget_counts_what_arenas_hold_and_lets_go);
+    tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);
+    tcase_add_exit_test(t, test_an_overflowing_array_is_a_limit_and_not_a_small_block, 4);
+    tcase_add_test(t, test_equal_text_is_an_equal_pointer);
+    tcase_add_test(t, test_distance_counts_edits_and_swaps);
+    tcase_add_test(t, test_every_kind_of_line_end_counts_once);
+    tcase_add_test(t, test_a_folder_is_no_source);
+    tcase_add_test(t, test_a_message_has_place_line_and_caret);
+    tcase_add_test(t, test_json_is_one_object_a_message_with_its_notes);
+    tcase_add_test(t, test_no_more_than_twenty_errors_are_shown);
+    tcase_add_test(t, test_a_missing_feature_is_named_once);
+    suite_add_tcase(s, t);
+    SRunner *r = srunner_create(s);
+    srunner_run_all(r, CK_NORMAL);
+    int failed = srunner_ntests_failed(r);
+    srunner_free(r);
+    return failed ? 1 : 0;
+}
