@@ -21,7 +21,9 @@ enum item_kind {
     ITEM_BLOCK,                         /* a reserved word and its { } */
     ITEM_ENTRY,                         /* [ ... ] of a map */
     ITEM_COMMA,
-    ITEM_NAME,                          /* a name that is not declared */
+    ITEM_NAME,                          /* a name that is not declared; body: its { } or NULL */
+    ITEM_BRACES,                        /* { } without a word: body */
+    ITEM_COLON,
 };
 
 struct item {
@@ -35,9 +37,19 @@ struct item {
     struct loc brace;                   /* BLOCK and ENTRY: the opening brace, for notes */
 };
 
-struct reader;                          /* lang.h holds the struct; readers live on the C stack */
+/* Where in a list of items a builder is.  Readers live on the C stack and
+ * close in the reverse order of opening. */
+struct reader {
+    struct lang *lang;
+    struct reader *outer;
+    unsigned base;                      /* its first frame in lang->frame[] */
+    bool has_item;                      /* item was looked at, not taken */
+    struct item item;
+    struct loc brace, close;            /* of the list; close.source 0: unknown */
+};
 
-/* Opens the body of a block or entry; counts nesting. */
+/* Opens the body of a block or entry; counts nesting.  Open a block before
+ * asking the outer reader for its next item: directives run in order. */
 void reader_open(struct reader *r, struct lang *lang, const struct ast *body);
 void reader_close(struct reader *r);    /* also after an error; runs nothing more */
 
@@ -54,5 +66,16 @@ double reader_number(struct reader *r, bool comma, const char *what);
 bool reader_vector(struct reader *r, bool comma, int n, double *v, const char *what);
 const char *reader_text(struct reader *r, bool comma, const char *what);
 bool reader_is_number(struct reader *r);            /* is a number of any size next? */
+
+/* Copies up to most values of that many components that stand next as plain
+ * constants, each with a comma behind it, which is taken too; returns how
+ * many.  The fast way through vertex lists: call it before reader_vector and
+ * after each; 0 means "use reader_vector". */
+size_t reader_bulk(struct reader *r, int components, size_t most, double *out);
+
+/* The loc of what stands next, or of the closing brace. */
+struct loc reader_at(struct reader *r);
+/* "sphere", "'phong'", "a number", "the end of the block": for messages. */
+const char *item_describe(struct lang *l, const struct item *i);
 
 #endif

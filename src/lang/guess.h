@@ -1,0 +1,22 @@
+/* guess.h: "did you mean". */
+#ifndef RTC_GUESS_H
+#define RTC_GUESS_H
+
+#include "lang/state.h"
+
+struct guess {
+    const char *wrong;          /* as the user wrote it */
+    const char *best;           /* NULL: nothing is near */
+    unsigned distance;
+};
+
+struct guess guess_start(const char *wrong);
+void guess_try(struct guess *g, const char *word);
+void guess_fields(struct guess *g, const struct field *fields);     /* all of a table; NULL: none */
+void guess_names(struct guess *g, const struct lang *l);            /* what the scene declared */
+void guess_words(struct guess *g, const struct lang *l);            /* all reserved words */
+
+/* "; did you mean 'phong'?" or "", in l->mem: the end of a message. */
+const char *guess_text(const struct guess *g, const struct lang *l);
+
+#endif
