@@ -13,7 +13,8 @@ struct meeting {
     bool flipped;                       /* the outward normal is turned by CSG or inverse */
 };
 
-/* Per thread: stacks, spans, statistics, the last blocker per light. */
+/* Per thread: spans, statistics, the last blocker per light.  All of it is
+ * allocated by scratch_new. */
 struct scratch;
 struct scratch *scratch_new(const struct plan *p, struct arena *mem);
 
@@ -44,7 +45,8 @@ size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint
  * point +- slack * normal, on the side it goes to. */
 struct surface_point {
     vec3 point;                         /* world */
-    vec3 local;                         /* in the instance's space; equals point outside of one */
+    vec3 local;                         /* where surface's place applies: in the instance's space
+                                           if the look is the instance's own, else equals point */
     vec3 normal;                        /* world, unit, outward as the solid sees it */
     vec2 uv;
     double slack;                       /* world units */

@@ -19,15 +19,23 @@ enum ray_mask {
     RAY_SHADOW = 1 << 2,
 };
 
-/* One shape placed in the world, or in an instance's space. */
-struct leaf {
-    const struct shape_ops *ops;
-    const void *shape;                  /* prepared */
-    const struct mesh *mesh;            /* instead: all of one mesh */
+/* Where shapes stand: shared by all that stand alike, which are most. */
+struct placement {
     struct transform place;             /* world (or instance's space) from the shape's */
-    double stretch;                     /* mat_norm(place.to): the shape's slack in world units */
-    bool is_identity;
-    uint32_t surface;                   /* of plan->surface */
+    double stretch;                     /* the shape's slack in world units */
+    double fuzz;                        /* rounding of the way there and back: of the coordinates' size */
+};
+
+/* One shape placed in the world, or in an instance's space.  There may be
+ * millions: 40 bytes each. */
+struct leaf {
+    const struct shape_ops *ops;        /* this build's own table's; NULL: a mesh */
+    union {
+        const void *shape;              /* prepared */
+        const struct mesh_tree *mesh;   /* all of one mesh: mesh.h */
+    };
+    const struct placement *placement;  /* NULL: where the shape says */
+    uint32_t surface;                   /* of plan->surface; NO_LEAF: the instance's */
     uint32_t csg;                       /* the root it belongs to, or NO_LEAF */
     uint8_t mask;                       /* enum ray_mask */
     bool inverse;                       /* its normal and its inside are turned */
@@ -46,6 +54,7 @@ struct surface {
 
 struct instance {                       /* one stored tree, placed once more */
     struct transform place;             /* world from the instance's space */
+    double stretch, fuzz;               /* as of struct placement */
     uint32_t root;                      /* which tree */
     uint32_t surface;                   /* replaces inherited surfaces; NO_LEAF: keeps them */
     uint8_t mask;
