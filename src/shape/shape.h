@@ -54,7 +54,11 @@ struct shape_ops {
      * for a solid they alternate, and starts_inside tells whether the line
      * comes from the inside at t = -infinity (only infinite solids do). */
     int (*hits)(const void *self, struct ray ray, struct hit out[]);
-    bool (*starts_inside)(const void *self, vec3 dir);      /* NULL: never */
+    bool (*starts_inside)(const void *self, vec3 dir);      /* NULL: never; without hits ask inside(origin) */
+
+    /* NULL: never.  True: the hits need not alternate although there is an
+     * inside (an open cylinder, a spindle torus): CSG must ask inside(). */
+    bool (*is_leaky)(const void *self);
 
     bool (*inside)(const void *self, vec3 p);               /* NULL: nothing is inside */
     vec3 (*normal)(const void *self, vec3 p, const struct hit *h);   /* outward; any length */

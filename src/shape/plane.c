@@ -1,0 +1,87 @@
+/* plane.c: plane { NORMAL, DISTANCE }: all behind it is inside. */
+#include "shape/shapes.h"
+#include "shape/unit.h"
+
+struct plane {
+    vec3 normal;                        /* made unit length */
+    double distance;                    /* along that */
+};
+
+static const struct plane defaults = { .normal = { 0, 1, 0 } };
+
+static const struct field args[] = {
+    { "", FIELD_POINT, offsetof(struct plane, normal), ANY, "normal", NULL },
+    { "", FIELD_NUM, offsetof(struct plane, distance), ANY, "distance from the origin", NULL },
+    FIELD_END
+};
+
+static const char *prepare(void *self, struct arena *mem)
+{
+    struct plane *s = self;
+
+    (void)mem;
+    if (!vec_is_finite(s->normal) || !isfinite(s->distance))
+        return "not finite";
+    s->normal = direction_of(s->normal);
+    return vec_largest(s->normal) > 0 ? NULL : "zero normal";
+}
+
+static struct bounds bounds(const void *self)
+{
+    (void)self;
+    return BOUNDS_ALL;
+}
+
+INLINE bool cross(const struct plane *s, struct ray ray, double *t)
+{
+    *t = (s->distance - vec_dot(s->normal, ray.origin)) / vec_dot(s->normal, ray.dir);
+    return fabs(*t) < INFINITY;         /* parallel: infinite, or 0 / 0 */
+}
+
+static int hits(const void *self, struct ray ray, struct hit out[])
+{
+    const struct plane *s = self;
+    double t;
+
+    if (!cross(s, ray, &t))
+        return 0;
+    out[0] = hit_at(ray, t, fabs(s->distance), 0);
+    return 1;
+}
+
+static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+{
+    const struct plane *s = self;
+    double t;
+
+    if (!cross(s, ray, &t) || !(t > near && t < far))
+        return false;
+    *out = hit_at(ray, t, fabs(s->distance), 0);
+    return true;
+}
+
+static bool starts_inside(const void *self, vec3 dir)
+{
+    return vec_dot(((const struct plane *)self)->normal, dir) > 0;
+}
+
+static bool inside(const void *self, vec3 p)
+{
+    const struct plane *s = self;
+    return vec_dot(s->normal, p) < s->distance;
+}
+
+static vec3 normal(const void *self, vec3 p, const struct hit *h)
+{
+    (void)p;
+    (void)h;
+    return ((const struct plane *)self)->normal;
+}
+
+const struct shape_ops shape_plane = {
+    .name = "plane", .help = "an infinite plane; the side away from its normal is inside",
+    .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
+    .is_solid = true, .is_infinite = true, .most_hits = 1,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .starts_inside = starts_inside, .inside = inside, .normal = normal,
+};

@@ -1,0 +1,131 @@
+/* sphere.c: sphere { CENTRE, RADIUS } */
+#include "shape/shapes.h"
+#include "math/dd.h"
+#include "shape/unit.h"
+
+struct sphere {
+    vec3 centre;
+    double radius;
+    double unit, size;                  /* a power of two and its reciprocal */
+    double r;                           /* radius * unit: 1 to 2 */
+};
+
+static const struct sphere defaults = { .radius = 1 };
+
+static const struct field args[] = {
+    { "", FIELD_POINT, offsetof(struct sphere, centre), ANY, "centre", NULL },
+    { "", FIELD_NUM, offsetof(struct sphere, radius), ANY, "radius", NULL },
+    FIELD_END
+};
+
+static const char *prepare(void *self, struct arena *mem)
+{
+    struct sphere *s = self;
+
+    (void)mem;
+    s->radius = fabs(s->radius);        /* as POV-Ray, which only squares it */
+    if (!(s->radius > 0))
+        return "zero radius";
+    if (!isfinite(s->radius) || !vec_is_finite(s->centre))
+        return "not finite";
+    s->unit = unit_for(s->radius);
+    s->size = 1 / s->unit;
+    s->r = s->radius * s->unit;
+    return NULL;
+}
+
+static struct bounds bounds(const void *self)
+{
+    const struct sphere *s = self;
+    vec3 r = vec(s->radius, s->radius, s->radius);
+
+    return bounds_pad((struct bounds) { vec_sub(s->centre, r), vec_add(s->centre, r) });
+}
+
+/* The same in double-double, about the point at mid, which need not be the
+ * closest one: decides what the error bound of cut() leaves open. */
+static __attribute__((noinline)) bool cut_closely(const struct sphere *s, struct ray ray,
+                                                  double mid, struct span *out)
+{
+    dd a = dd_of(0), b = dd_of(0), c = dd_neg(dd_product(s->r, s->r));
+
+    for (int i = 0; i < 3; i++) {
+        double d = vec_get(ray.dir, i);
+        dd from = dd_sum(vec_get(ray.origin, i), -vec_get(s->centre, i));
+        dd p = dd_add(dd_scale(from, s->unit), dd_product(mid, d));
+
+        a = dd_add(a, dd_product(d, d));
+        b = dd_add(b, dd_mul(p, dd_of(d)));
+        c = dd_add(c, dd_mul(p, p));
+    }
+    dd left = dd_sub(dd_mul(b, b), dd_mul(a, c));
+    if (!(left.hi > 0))
+        return false;
+    double half = sqrt(left.hi);
+    *out = (struct span) { (mid - (b.hi + half) / a.hi) * s->size,
+                           (mid + (half - b.hi) / a.hi) * s->size, 0, 0 };
+    return true;
+}
+
+/* The ray re-centred at its closest approach, so that the error grows with
+ * distance and not with its square. */
+INLINE bool cut(const void *self, struct ray ray, struct span *out)
+{
+    const struct sphere *s = self;
+    vec3 from = vec_scale(vec_sub(ray.origin, s->centre), s->unit);
+    double inverse = 1 / vec_dot(ray.dir, ray.dir);
+    double mid = -vec_dot(from, ray.dir) * inverse;
+    vec3 c = vec_fma(from, mid, ray.dir);
+    double left = fma(s->r, s->r, -vec_dot(c, c));
+    double error = 4 * ROUNDING * (vec_sum_abs(from) + s->r);   /* of c */
+
+    if (UNLIKELY(fabs(left) <= error * (4 * s->r + error)))
+        return cut_closely(s, ray, mid, out);
+    if (!(left > 0))
+        return false;
+    double half = sqrt(left * inverse);
+    *out = (struct span) { (mid - half) * s->size, (mid + half) * s->size, 0, 0 };
+    return true;
+}
+
+static int hits(const void *self, struct ray ray, struct hit out[])
+{
+    return span_hits(cut, self, ((const struct sphere *)self)->radius, ray, out);
+}
+
+static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+{
+    return span_nearest(cut, self, ((const struct sphere *)self)->radius, ray, near, far, out);
+}
+
+static bool inside(const void *self, vec3 p)
+{
+    const struct sphere *s = self;
+    vec3 q = vec_scale(vec_sub(p, s->centre), s->unit);
+
+    return vec_dot(q, q) < s->r * s->r;
+}
+
+static vec3 normal(const void *self, vec3 p, const struct hit *h)
+{
+    (void)h;
+    return vec_sub(p, ((const struct sphere *)self)->centre);
+}
+
+static vec2 uv(const void *self, vec3 p, const struct hit *h)
+{
+    const struct sphere *s = self;
+    vec3 q = vec_scale(vec_sub(p, s->centre), 1 / s->radius);
+    double y = fmax(-1, fmin(1, q.y));
+
+    (void)h;
+    return (vec2) { q.x == 0 && q.z == 0 ? 0 : longitude(q.x, q.z), 0.5 + asin(y) / M_PI };
+}
+
+const struct shape_ops shape_sphere = {
+    .name = "sphere", .help = "all points nearer to a centre than a radius",
+    .size = sizeof(struct sphere), .defaults = &defaults, .args = args, .n_required = 2,
+    .is_solid = true, .most_hits = 2,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .inside = inside, .normal = normal, .uv = uv,
+};
