@@ -52,6 +52,7 @@ struct mesh {
     const struct texture **texture;
     size_t n_texture;
     vec3 inside_vector;                 /* 0: the mesh has no inside */
+    struct bounds box;                  /* of all faces */
 };
 #define MESH_NONE UINT32_MAX
 
@@ -79,6 +80,9 @@ struct object {
     size_t n_bound;
     struct loc at;                      /* for messages and dumps */
     const char *name;                   /* it was declared under, or NULL */
+    struct bounds box;                  /* holds the whole node, in outer space; perhaps not tightly */
+    bool has_box;
+    bool keep_whole;                    /* split_union off */
 };
 
 /* A node that may be changed freely, sharing all that it points to. */
@@ -93,6 +97,10 @@ const struct texture *texture_move(struct arena *mem, const struct texture *laye
 struct bounds object_bounds(const struct object *o);
 struct bounds bounds_move(const struct bounds *b, const struct transform *t);
 bool object_inside(const struct object *o, vec3 p);     /* p in outer space */
-bool object_is_solid(const struct object *o);           /* has an inside */
+bool object_is_solid(const struct object *o);           /* all of it has an inside */
+
+/* The nearest surface along a ray in outer space, CSG and clips respected;
+ * the normal is outward and of unit length.  For the language's trace(). */
+bool object_trace(const struct object *o, vec3 origin, vec3 dir, vec3 *point, vec3 *normal);
 
 #endif

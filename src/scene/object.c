@@ -1,0 +1,254 @@
+/* object.c: moving objects, how far they reach, and what is inside them. */
+#include "scene/object.h"
+
+#include "scene/light.h"
+
+struct object *object_copy(struct arena *mem, const struct object *o)
+{
+    return arena_copy(mem, o, sizeof *o);
+}
+
+/* --- moving ---------------------------------------------------------------- */
+
+static const struct object **moved_list(struct arena *mem, const struct object *const *list,
+                                        size_t n, const struct transform *t)
+{
+    const struct object **moved = arena_array(mem, n, sizeof *moved);
+
+    for (size_t i = 0; i < n; i++) {
+        struct object *o = object_copy(mem, list[i]);
+        object_move(mem, o, t);
+        moved[i] = o;
+    }
+    return moved;
+}
+
+void object_move(struct arena *mem, struct object *o, const struct transform *t)
+{
+    if (t->is_identity)
+        return;
+    o->place = transform_compose(t, &o->place);
+    if (!(o->flags & OBJECT_UV_MAPPING)) {      /* such textures live in (u, v) */
+        o->texture = texture_move(mem, o->texture, t);
+        o->interior_texture = texture_move(mem, o->interior_texture, t);
+    }
+    bool linked = o->clip == o->bound;
+    if (o->n_clip > 0)
+        o->clip = moved_list(mem, o->clip, o->n_clip, t);
+    if (o->n_bound > 0)
+        o->bound = linked ? o->clip : moved_list(mem, o->bound, o->n_bound, t);
+    if (o->has_box)
+        o->box = bounds_move(&o->box, t);
+}
+
+/* --- bounds ---------------------------------------------------------------- */
+
+static bool is_empty(const struct bounds *b)
+{
+    return b->low.x > b->high.x || b->low.y > b->high.y || b->low.z > b->high.z;
+}
+
+static bool is_finite(const struct bounds *b)
+{
+    return vec_is_finite(b->low) && vec_is_finite(b->high);
+}
+
+/* Zero times infinity is no number; an axis that the transform does not
+ * look at adds nothing. */
+static void stretch(double m, double low, double high, double *to_low, double *to_high)
+{
+    if (m == 0)
+        return;
+    *to_low += m > 0 ? m * low : m * high;
+    *to_high += m > 0 ? m * high : m * low;
+}
+
+static void move_row(const double m[4], const struct bounds *b, double *low, double *high)
+{
+    *low = *high = m[3];
+    stretch(m[0], b->low.x, b->high.x, low, high);
+    stretch(m[1], b->low.y, b->high.y, low, high);
+    stretch(m[2], b->low.z, b->high.z, low, high);
+}
+
+struct bounds bounds_move(const struct bounds *b, const struct transform *t)
+{
+    struct bounds moved;
+
+    if (t->is_identity || is_empty(b))
+        return *b;
+    move_row(t->to.m[0], b, &moved.low.x, &moved.high.x);
+    move_row(t->to.m[1], b, &moved.low.y, &moved.high.y);
+    move_row(t->to.m[2], b, &moved.low.z, &moved.high.z);
+    return moved;
+}
+
+static double volume(const struct bounds *b)
+{
+    return (b->high.x - b->low.x) * (b->high.y - b->low.y) * (b->high.z - b->low.z);
+}
+
+static struct bounds bounds_under(const struct object *o, const struct transform *outer);
+
+/* Of the children that do not stand for the rest of space. */
+static struct bounds children_bounds(const struct object *o, const struct transform *place)
+{
+    bool join = o->kind == OBJECT_UNION || o->kind == OBJECT_MERGE;
+    struct bounds all = join ? BOUNDS_EMPTY : BOUNDS_ALL;
+
+    for (size_t i = 0; i < o->n_child; i++) {
+        const struct object *child = o->child[i];
+        if (child->kind == OBJECT_LIGHT)
+            continue;
+        struct bounds b = bounds_under(child, place);
+        bool is_rest = (child->flags & OBJECT_INVERSE) != 0;
+        if (o->kind == OBJECT_DIFFERENCE && i > 0)
+            is_rest = !is_rest;
+        if (join)
+            all = bounds_join(all, b);
+        else if (!is_rest)
+            all = bounds_meet(all, b);
+    }
+    return all;
+}
+
+/* What is inverse reaches everywhere inside, but its surface does not: the
+ * bounds are those of the surface. */
+static struct bounds surface_bounds(const struct object *o, const struct transform *place)
+{
+    struct bounds b = BOUNDS_EMPTY;
+
+    switch (o->kind) {
+    case OBJECT_SHAPE:
+        b = o->ops->bounds ? o->ops->bounds(o->shape) : BOUNDS_ALL;
+        return bounds_move(&b, place);
+    case OBJECT_MESH:
+        return bounds_move(&o->mesh->box, place);
+    case OBJECT_LIGHT:
+        return b;
+    default:
+        return children_bounds(o, place);
+    }
+}
+
+/* A clip's or bound's box replaces a larger one (facts sdl.md 2.9). */
+static struct bounds cut_by(struct bounds b, const struct object *const *cut, size_t n,
+                            const struct transform *outer)
+{
+    struct bounds box = BOUNDS_ALL;
+
+    for (size_t i = 0; i < n; i++) {
+        struct bounds one = bounds_under(cut[i], outer);
+        if (!(cut[i]->flags & OBJECT_INVERSE))
+            box = bounds_meet(box, one);
+    }
+    bool smaller = is_finite(&box) && (!is_finite(&b) || volume(&box) < volume(&b));
+    return n > 0 && smaller ? box : b;
+}
+
+static struct bounds bounds_under(const struct object *o, const struct transform *outer)
+{
+    struct transform place = transform_compose(outer, &o->place);
+    struct bounds b = surface_bounds(o, &place);
+
+    b = cut_by(b, o->clip, o->n_clip, outer);
+    return cut_by(b, o->bound, o->n_bound, outer);
+}
+
+struct bounds object_bounds(const struct object *o)
+{
+    return bounds_under(o, &transform_identity);
+}
+
+/* --- inside ---------------------------------------------------------------- */
+
+bool object_is_solid(const struct object *o)
+{
+    size_t n = 0;
+
+    if (o->kind == OBJECT_SHAPE)
+        return o->ops->is_solid;
+    if (o->kind == OBJECT_MESH)
+        return vec_largest(o->mesh->inside_vector) > 0;
+    for (size_t i = 0; i < o->n_child; i++) {
+        if (o->child[i]->kind == OBJECT_LIGHT)
+            continue;
+        if (!object_is_solid(o->child[i]))
+            return false;
+        n++;
+    }
+    return n > 0;
+}
+
+static bool crosses(vec3 p, vec3 dir, vec3 a, vec3 b, vec3 c)
+{
+    vec3 ab = vec_sub(b, a), ac = vec_sub(c, a), s = vec_sub(p, a);
+    vec3 h = vec_cross(dir, ac), q = vec_cross(s, ab);
+    double det = vec_dot(ab, h);
+
+    if (det == 0)
+        return false;
+    double u = vec_dot(s, h) / det, v = vec_dot(dir, q) / det;
+    return u >= 0 && v >= 0 && u + v <= 1 && vec_dot(ac, q) / det > 0;
+}
+
+/* An odd number of crossings along the inside vector. */
+static bool mesh_inside(const struct mesh *m, vec3 p)
+{
+    bool inside = false;
+
+    if (!(vec_largest(m->inside_vector) > 0))
+        return false;
+    for (size_t i = 0; i < m->n_face; i++) {
+        const uint32_t *v = m->face[i].vertex;
+        inside ^= crosses(p, m->inside_vector, m->vertex[v[0]], m->vertex[v[1]], m->vertex[v[2]]);
+    }
+    return inside;
+}
+
+static bool inside_any(const struct object *o, vec3 p, size_t from)
+{
+    for (size_t i = from; i < o->n_child; i++)
+        if (object_inside(o->child[i], p))
+            return true;
+    return false;
+}
+
+static bool inside_all(const struct object *o, vec3 p)
+{
+    for (size_t i = 0; i < o->n_child; i++)
+        if (o->child[i]->kind != OBJECT_LIGHT && !object_inside(o->child[i], p))
+            return false;
+    return o->n_child > 0;
+}
+
+static bool inside_inner(const struct object *o, vec3 p)
+{
+    switch (o->kind) {
+    case OBJECT_SHAPE:
+        return o->ops->inside && o->ops->inside(o->shape, p);
+    case OBJECT_MESH:
+        return mesh_inside(o->mesh, p);
+    case OBJECT_UNION: case OBJECT_MERGE:
+        return inside_any(o, p, 0);
+    case OBJECT_INTERSECTION:
+        return inside_all(o, p);
+    case OBJECT_DIFFERENCE:
+        return o->n_child > 0 && object_inside(o->child[0], p) && !inside_any(o, p, 1);
+    case OBJECT_LIGHT:
+        break;
+    }
+    return false;
+}
+
+/* Clips come first: outside of one is outside, inverse or not. */
+bool object_inside(const struct object *o, vec3 p)
+{
+    for (size_t i = 0; i < o->n_clip; i++)
+        if (!object_inside(o->clip[i], p))
+            return false;
+    bool is_patch = (o->kind == OBJECT_SHAPE && !o->ops->inside) || o->kind == OBJECT_LIGHT;
+    bool inverse = (o->flags & OBJECT_INVERSE) != 0 && !is_patch;
+    vec3 inner = o->place.is_identity ? p : mat_point(&o->place.from, p);
+    return inside_inner(o, inner) != inverse;
+}
