@@ -29,6 +29,7 @@ struct png_writer *png_open(const char *path, unsigned width, unsigned height, u
                             bool alpha, struct tone tone, const char **error);
 /* Rows of width * 4 floats: red, green, blue, transmit. */
 bool png_rows(struct png_writer *w, unsigned count, const float *pixels, const char **error);
+const char *png_temporary(const struct png_writer *w);  /* what is being written; NULL: the target itself */
 /* keep: finish and rename (missing rows are black); else remove what was written. */
 bool png_close(struct png_writer *w, bool keep, const char **error);
 
