@@ -7,8 +7,13 @@
 /* Adding a primitive is adding a row: shape_NAME is defined in its file. */
 #define SHAPES(S) \
     S(box) \
+    S(cone) \
+    S(cylinder) \
+    S(disc) \
     S(plane) \
-    S(sphere)
+    S(smooth_triangle) \
+    S(sphere) \
+    S(triangle)
 
 #define SHAPE_DECLARE(name) extern const struct shape_ops shape_##name;
 SHAPES(SHAPE_DECLARE)

@@ -1,0 +1,66 @@
+/* cylinder.c: cylinder { BASE, CAP, RADIUS [open] } */
+#include "shape/frustum.h"
+#include "shape/shapes.h"
+
+struct cylinder {
+    vec3 base, cap;
+    double radius;
+    bool is_open;
+    struct frustum frustum;
+};
+
+static const struct cylinder defaults = { .cap = { 0, 1, 0 }, .radius = 1 };
+
+static const struct field args[] = {
+    { "", FIELD_POINT, offsetof(struct cylinder, base), ANY, "centre of the base", NULL },
+    { "", FIELD_POINT, offsetof(struct cylinder, cap), ANY, "centre of the cap", NULL },
+    { "", FIELD_NUM, offsetof(struct cylinder, radius), ANY, "radius", NULL },
+    FIELD_END
+};
+
+static const struct field words[] = {
+    { "open", FIELD_FLAG, offsetof(struct cylinder, is_open), ANY, "without its two discs", NULL },
+    FIELD_END
+};
+
+static const char *prepare(void *self, struct arena *mem)
+{
+    struct cylinder *s = self;
+    double r = fabs(s->radius);
+
+    (void)mem;
+    return frustum_prepare(&s->frustum, s->base, r, s->cap, r, s->is_open);
+}
+
+static const struct frustum *of(const void *self)
+{
+    return &((const struct cylinder *)self)->frustum;
+}
+
+static struct bounds bounds(const void *self) { return frustum_bounds(of(self)); }
+
+static int hits(const void *self, struct ray ray, struct hit out[])
+{
+    return frustum_hits(of(self), ray, out);
+}
+
+static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+{
+    return frustum_nearest(of(self), ray, near, far, out);
+}
+
+static bool is_leaky(const void *self) { return of(self)->is_open; }
+static bool inside(const void *self, vec3 p) { return frustum_inside(of(self), p); }
+
+static vec3 normal(const void *self, vec3 p, const struct hit *h)
+{
+    return frustum_normal(of(self), p, h);
+}
+
+const struct shape_ops shape_cylinder = {
+    .name = "cylinder", .help = "a tube between two points",
+    .size = sizeof(struct cylinder), .defaults = &defaults, .args = args, .n_required = 3,
+    .words = words, .is_solid = true, .most_hits = 2,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .is_leaky = is_leaky, .inside = inside, .normal = normal,
+};

@@ -1,0 +1,32 @@
+/* frustum.h: a piece of a cone between two discs; cylinders too, whose
+ * radius does not change.
+ *
+ * In its own space the axis is z, the base lies in z = 0 around the origin,
+ * and the radius at height z is r + slope z. */
+#ifndef RTC_FRUSTUM_H
+#define RTC_FRUSTUM_H
+
+#include "math/dd.h"
+#include "shape/unit.h"
+
+struct frustum {
+    vec3 base;                          /* centre of the base disc */
+    vec3 x, y, z;                       /* axes, orthonormal */
+    double unit, size;                  /* a power of two and its reciprocal */
+    double r, slope, height;            /* in units */
+    double reach;                       /* largest coordinate, for slack */
+    bool is_open;
+};
+
+enum frustum_part { FRUSTUM_WALL, FRUSTUM_BASE, FRUSTUM_CAP };
+
+const char *frustum_prepare(struct frustum *s, vec3 base, double base_radius, vec3 cap,
+                            double cap_radius, bool is_open);
+struct bounds frustum_bounds(const struct frustum *s);
+bool frustum_inside(const struct frustum *s, vec3 p);
+vec3 frustum_normal(const struct frustum *s, vec3 p, const struct hit *h);
+int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[]);
+bool frustum_nearest(const struct frustum *s, struct ray ray, double near, double far,
+                     struct hit *out);
+
+#endif
