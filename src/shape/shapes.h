@@ -13,6 +13,7 @@
     S(plane) \
     S(smooth_triangle) \
     S(sphere) \
+    S(torus) \
     S(triangle)
 
 #define SHAPE_DECLARE(name) extern const struct shape_ops shape_##name;

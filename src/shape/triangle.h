@@ -22,7 +22,6 @@ struct triangle_ray {                   /* prepared once a ray */
 
 struct triangle_hit {
     double t, u, v;                     /* weights: 1 - u - v, u, v of a, b, c */
-    bool is_back;                       /* the ray runs along (c - a) x (b - a), not against it */
 };
 
 INLINE struct triangle_ray triangle_ray(struct ray ray)
@@ -79,7 +78,7 @@ INLINE bool triangle_cross(const struct triangle_ray *r, vec3 a, vec3 b, vec3 c,
         return false;
     double inverse = 1 / all;
     *out = (struct triangle_hit) { (w * p.z + u * q.z + v * s.z) * inverse * r->scale,
-                                   u * inverse, v * inverse, (all < 0) == (r->scale > 0) };
+                                   u * inverse, v * inverse };
     return true;
 }
 

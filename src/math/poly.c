@@ -1,0 +1,107 @@
+/* poly.c: real roots of polynomials. */
+#include "math/poly.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+double poly_at(int degree, const double c[], double x)
+{
+    double y = c[degree];
+
+    for (int i = degree - 1; i >= 0; i--)
+        y = fma(y, x, c[i]);
+    return y;
+}
+
+static double slope_at(int degree, const double c[], double x)
+{
+    double y = degree * c[degree];
+
+    for (int i = degree - 1; i >= 1; i--)
+        y = fma(y, x, i * c[i]);
+    return y;
+}
+
+/* The one root between a and b, whose values differ in sign. */
+static double root_between(int degree, const double c[], double a, double b, bool rising)
+{
+    double x = a + (b - a) / 2;
+
+    for (int i = 0; i < 200; i++) {
+        double y = poly_at(degree, c, x);
+        if (y == 0)
+            return x;
+        if ((y > 0) == rising)
+            b = x;
+        else
+            a = x;
+        double next = x - y / slope_at(degree, c, x);
+        if (!(next > a && next < b))
+            next = a + (b - a) / 2;
+        if (next == x || next <= a || next >= b)
+            return next;
+        if (fabs(next - x) <= 0x1p-52 * fabs(next))
+            return next;
+        x = next;
+    }
+    return x;
+}
+
+static int roots_of_line(const double c[], double low, double high, double root[])
+{
+    if (c[1] == 0)
+        return 0;
+    root[0] = -c[0] / c[1];
+    return root[0] > low && root[0] < high;
+}
+
+static int roots_of_parabola(const double c[], double low, double high, double root[])
+{
+    double a = c[2], b = c[1] / 2, cc = a * c[0];
+    double left = fma(b, b, -cc) + fma(-a, c[0], cc);
+    int n = 0;
+
+    if (a == 0)
+        return roots_of_line(c, low, high, root);
+    if (!(left > 0))
+        return 0;
+    double q = -(b + copysign(sqrt(left), b));
+    double x = q / a, y = c[0] / q, first = fmin(x, y), second = fmax(x, y);
+    if (first > low && first < high)
+        root[n++] = first;
+    if (second > low && second < high)
+        root[n++] = second;
+    return n;
+}
+
+int poly_roots(int degree, const double c[], double low, double high, double root[])
+{
+    double slope[POLY_MOST], turn[POLY_MOST + 1];
+    int n = 0;
+
+    while (degree > 0 && c[degree] == 0)
+        degree--;
+    if (degree <= 0 || degree > POLY_MOST)
+        return 0;
+    if (degree == 1)
+        return roots_of_line(c, low, high, root);
+    if (degree == 2)
+        return roots_of_parabola(c, low, high, root);
+
+    for (int i = 1; i <= degree; i++)
+        slope[i - 1] = i * c[i];
+    int n_turn = poly_roots(degree - 1, slope, low, high, turn);
+    turn[n_turn++] = high;
+
+    double from = low, before = poly_at(degree, c, low);
+    for (int i = 0; i < n_turn; i++) {
+        double after = poly_at(degree, c, turn[i]);
+        if ((before < 0 && after > 0) || (before > 0 && after < 0))
+            root[n++] = root_between(degree, c, from, turn[i], after > 0);
+        if (after != 0) {               /* a zero belongs to the next change of sign */
+            before = after;
+            from = turn[i];
+        }
+    }
+    return n;
+}

@@ -1,0 +1,246 @@
+/* torus.c: torus { MAJOR, MINOR }: around the y axis. */
+#include "math/poly.h"
+#include "shape/shapes.h"
+#include "shape/unit.h"
+
+struct torus {
+    double major, minor;
+    double unit, size;                  /* a power of two and its reciprocal */
+    double ring, tube;                  /* major and minor in units */
+    bool has_inner;                     /* a spindle: the sheet inside is drawn too */
+};
+
+static const struct torus defaults = { .major = 1, .minor = 0.25 };
+
+static const struct field args[] = {
+    { "", FIELD_NUM, offsetof(struct torus, major), ANY, "radius of the ring", NULL },
+    { "", FIELD_NUM, offsetof(struct torus, minor), ANY, "radius of the tube", NULL },
+    FIELD_END
+};
+
+static const char *prepare(void *self, struct arena *mem)
+{
+    struct torus *s = self;
+
+    (void)mem;
+    s->major = fabs(s->major);
+    s->minor = fabs(s->minor);
+    if (!isfinite(s->major + s->minor))
+        return "not finite";
+    if (!(s->minor > 0))
+        return "zero radius";
+    s->unit = unit_for(s->major + s->minor);
+    s->size = 1 / s->unit;
+    s->ring = s->major * s->unit;
+    s->tube = s->minor * s->unit;
+    s->has_inner = s->major < s->minor && s->major > 0;
+    return NULL;
+}
+
+static struct bounds bounds(const void *self)
+{
+    const struct torus *s = self;
+    vec3 by = vec(s->major + s->minor, s->minor, s->major + s->minor);
+
+    return bounds_pad((struct bounds) { vec_neg(by), by });
+}
+
+/* A line about its point nearest to the centre, along a unit direction. */
+struct chord {
+    vec3 p, e;
+    double low, high;                   /* outside of the torus beyond these */
+};
+
+/* rho is the distance from the axis. */
+struct value { double f, slope; };
+
+/* (rho - ring)^2 + y^2 - tube^2, not expanded: expanded, a thin tube drowns
+ * in the rounding of ring^4.  Negative ring: the inner sheet. */
+INLINE struct value sheet_at(double ring, double tube, double rho, double rho_slope,
+                             double y, double y_slope)
+{
+    double across = rho - ring;
+
+    return (struct value) { fma(across, across, (y - tube) * (y + tube)),
+                            2 * fma(across, rho_slope, y * y_slope) };
+}
+
+/* Negative inside of the tube; of a spindle, where only one sheet is around. */
+INLINE struct value value_at(const struct torus *s, const struct chord *c, double at)
+{
+    vec3 q = vec_fma(c->p, at, c->e);
+    double rho = sqrt(q.x * q.x + q.z * q.z);
+    double rho_slope = rho > 0 ? (q.x * c->e.x + q.z * c->e.z) / rho : 0;
+    struct value outer = sheet_at(s->ring, s->tube, rho, rho_slope, q.y, c->e.y);
+
+    if (LIKELY(!s->has_inner))
+        return outer;
+    struct value inner = sheet_at(-s->ring, s->tube, rho, rho_slope, q.y, c->e.y);
+    return (struct value) { outer.f * inner.f, outer.f * inner.slope + outer.slope * inner.f };
+}
+
+/* Bisection between a and b, made quick by Newton's steps. */
+static double solve(const struct torus *s, const struct chord *c, double a, double b, bool rising)
+{
+    double x = a + (b - a) / 2;
+
+    for (int i = 0; i < 100; i++) {
+        struct value y = value_at(s, c, x);
+        if (y.f == 0)
+            return x;
+        if ((y.f > 0) == rising)
+            b = x;
+        else
+            a = x;
+        double next = x - y.f / y.slope;
+        if (!(next > a && next < b))
+            next = a + (b - a) / 2;
+        if (next <= a || next >= b || fabs(next - x) <= 0x1p-54)
+            return next;
+        x = next;
+    }
+    return x;
+}
+
+/* Where the line is within the ring's outer sphere and between the planes
+ * that enclose the tube; a little more, as beyond the ends it is taken for
+ * outside without asking. */
+INLINE bool clip(const struct torus *s, struct chord *c)
+{
+    double out = s->ring + s->tube, left = out * out - vec_dot(c->p, c->p);
+    const double margin = 0x1p-30;
+
+    if (left < -margin)
+        return false;
+    c->high = sqrt(fmax(left, 0)) + margin;
+    c->low = -c->high;
+    if (fabs(c->e.y) < margin)
+        return fabs(c->p.y) <= s->tube + 2 * margin;
+    double a = (-s->tube - c->p.y) / c->e.y, b = (s->tube - c->p.y) / c->e.y;
+    c->low = fmax(c->low, fmin(a, b) - margin);
+    c->high = fmin(c->high, fmax(a, b) + margin);
+    return c->low < c->high;
+}
+
+/* Points that part the chord into pieces with at most one crossing each:
+ * where the quartic (|q|^2 + ring^2 - tube^2)^2 - 4 ring^2 rho^2 turns. */
+static int turns(const struct torus *s, const struct chord *c, double at[3])
+{
+    vec3 p = c->p, e = c->e;
+    double rr = s->ring * s->ring;
+    double k = vec_dot(p, p) + (s->ring - s->tube) * (s->ring + s->tube), b = vec_dot(p, e);
+    double ee = e.x * e.x + e.z * e.z, pe = p.x * e.x + p.z * e.z;
+    double slope[4] = { b * k - 2 * rr * pe, 2 * b * b + k - 2 * rr * ee, 3 * b, 1 };
+
+    return poly_roots(3, slope, c->low, c->high, at);
+}
+
+/* The turn of the quartic is one of the distance only where that is zero;
+ * near a tangent that is all but so, and two of Newton's steps on the
+ * distance's slope make the decision there as exact as the distance is. */
+static double settle(const struct torus *s, const struct chord *c, double at)
+{
+    for (int i = 0; i < 2; i++) {
+        vec3 q = vec_fma(c->p, at, c->e);
+        double rho = sqrt(q.x * q.x + q.z * q.z);
+        double cross = (q.x * c->e.z - q.z * c->e.x) / rho;
+        double rho_slope = (q.x * c->e.x + q.z * c->e.z) / rho;
+        double slope = (rho - s->ring) * rho_slope + q.y * c->e.y;
+        double bend = rho_slope * rho_slope + (rho - s->ring) * cross * cross / rho
+                      + c->e.y * c->e.y;
+        double step = slope / bend;
+        if (!(fabs(step) < s->tube) || !(at - step > c->low && at - step < c->high))
+            break;
+        at -= step;
+    }
+    return at;
+}
+
+static int crossings(const struct torus *s, const struct chord *c, double root[4])
+{
+    double at[4], from = c->low;
+    int n = turns(s, c, at), found = 0;
+    bool out = true;
+
+    at[n] = c->high;
+    for (int i = 0; i <= n; i++) {
+        bool out_there = true;
+        if (i < n) {
+            double y = value_at(s, c, at[i]).f;
+            if (fabs(y) < 0x1p-10 * s->tube * s->tube && !s->has_inner) {
+                double better = settle(s, c, at[i]);
+                if (better > from && better < at[i + 1]) {
+                    at[i] = better;
+                    y = value_at(s, c, better).f;
+                }
+            }
+            out_there = y >= 0;
+        }
+        if (out_there != out && found < 4)
+            root[found++] = solve(s, c, from, at[i], out_there);
+        out = out_there;
+        from = at[i];
+    }
+    return found;
+}
+
+static int hits(const void *self, struct ray ray, struct hit out[])
+{
+    const struct torus *s = self;
+    struct ray tame = ray;
+    double stretch = LIKELY(ray_is_tame(ray)) ? 1 : ray_tame(&tame);
+    vec3 from = vec_scale(ray.origin, s->unit);
+    double dd = vec_dot(tame.dir, tame.dir), mid = -vec_dot(from, tame.dir) / dd;
+    double length = sqrt(dd);
+    struct chord c = { .p = vec_fma(from, mid, tame.dir), .e = vec_scale(tame.dir, 1 / length) };
+    double root[4];
+
+    if (!clip(s, &c))
+        return 0;
+    int n = crossings(s, &c, root);
+    for (int i = 0; i < n; i++)
+        out[i] = hit_at(ray, (mid + root[i] / length) * s->size * stretch,
+                        s->major + s->minor, 0);
+    return n;
+}
+
+static bool is_leaky(const void *self) { return ((const struct torus *)self)->has_inner; }
+
+/* Of a spindle both parts, as in POV-Ray. */
+static bool inside(const void *self, vec3 p)
+{
+    const struct torus *s = self;
+    vec3 q = vec_scale(p, s->unit);
+    double rho = sqrt(q.x * q.x + q.z * q.z);
+
+    return sheet_at(s->ring, s->tube, rho, 0, q.y, 0).f <= 0;
+}
+
+/* From the nearest point of the ring. */
+static vec3 normal(const void *self, vec3 p, const struct hit *h)
+{
+    const struct torus *s = self;
+    vec3 q = vec_scale(p, s->unit);
+    double rho = sqrt(q.x * q.x + q.z * q.z), across = rho - s->ring;
+
+    (void)h;
+    return rho > 0 ? vec(q.x / rho * across, q.y, q.z / rho * across) : vec(0, q.y, 0);
+}
+
+static vec2 uv(const void *self, vec3 p, const struct hit *h)
+{
+    const struct torus *s = self;
+    double rho = sqrt(p.x * p.x + p.z * p.z);
+
+    (void)h;
+    return (vec2) { 1 - (atan2(p.z, p.x) + M_PI) / (2 * M_PI),
+                    (atan2(p.y, rho - s->major) + M_PI) / (2 * M_PI) };
+}
+
+const struct shape_ops shape_torus = {
+    .name = "torus", .help = "a ring around the y axis",
+    .size = sizeof(struct torus), .defaults = &defaults, .args = args, .n_required = 2,
+    .is_solid = true, .most_hits = 4,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .is_leaky = is_leaky,
+    .inside = inside, .normal = normal, .uv = uv,
+};
