@@ -84,7 +84,7 @@ void tone_table_init(struct tone_table *table, const struct tone *t)
     table->least[0] = -INFINITY;
     for (unsigned i = 1; i < 256; i++)
         table->least[i] = least_of(t, i);
-    table->least[256] = INFINITY;
+    table->least[256] = INFINITY;       /* never reached: values from 1 on are not looked up */
     for (uint32_t i = 0; i < TONE_BUCKETS; i++) {
         float low = bits_float((i + first_bucket) << FRACTION_SHIFT);
         while (low >= table->least[level + 1])
@@ -98,8 +98,8 @@ unsigned tone_table_level(const struct tone_table *table, float value)
     unsigned level = 0;
 
     if (value >= 1.0f)
-        level = table->first[TONE_BUCKETS - 1];
-    else if (value >= 0x1p-16f)
+        return 255;
+    if (value >= 0x1p-16f)
         level = table->first[(float_bits(value) >> FRACTION_SHIFT) - first_bucket];
     while (value >= table->least[level + 1])
         level++;
