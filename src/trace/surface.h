@@ -19,4 +19,8 @@ struct look {
 };
 uint32_t surface_of(struct plan *p, const struct look *look);
 
+/* Prepares plan->shader from plan->light and the surfaces, and notes for
+ * --explain what shading leaves out.  After geometry_build; once. */
+void shader_build(struct plan *p);
+
 #endif

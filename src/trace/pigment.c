@@ -1,0 +1,383 @@
+/* pigment.c: pigments ready for use, evaluated for arrays of points
+ * (facts patterns.md 3.1, 4, 6). */
+#include "trace/pigment.h"
+
+#include <string.h>
+
+#include "math/kernel.h"
+#include "trace/picture.h"
+
+/* Colours of a map that was not given; keys as listed, or 0, 1, 2 of a list. */
+struct default_map {
+    const char *pattern;
+    int n;
+    struct { float key; rgb c; } entry[6];
+};
+
+static const struct default_map default_maps[] = {
+    { "agate", 6, { { 0, { 1, 1, 1 } }, { .5f, { .95f, .75f, .5f } }, { .5f, { .9f, .7f, .5f } },
+                    { .6f, { .9f, .7f, .4f } }, { .6f, { 1, .7f, .4f } }, { 1, { .6f, .3f, 0 } } } },
+    { "bozo", 6, { { .4f, { 1, 1, 1 } }, { .4f, { 0, 1, 0 } }, { .6f, { 0, 1, 0 } },
+                   { .6f, { 0, 0, 1 } }, { .8f, { 0, 0, 1 } }, { .8f, { 1, 0, 0 } } } },
+    { "brick", 2, { { 0, { .5f, .5f, .5f } }, { 1, { .6f, .15f, .15f } } } },
+    { "checker", 2, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } } } },
+    { "cubic", 6, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
+                    { 3, { 1, 1, 0 } }, { 4, { 0, 1, 1 } }, { 5, { 1, 0, 1 } } } },
+    { "hexagon", 3, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } }, { 2, { 1, 0, 0 } } } },
+    { "mandel", 5, { { .001f, { 0, 0, 0 } }, { .001f, { 0, 1, 1 } }, { .012f, { 1, 1, 0 } },
+                     { .015f, { 1, 0, 1 } }, { .1f, { 0, 1, 1 } } } },
+    { "marble", 3, { { 0, { .9f, .8f, .8f } }, { .9f, { .9f, .08f, .08f } }, { .9f, { 0, 0, 0 } } } },
+    { "object", 2, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } } } },
+    { "radial", 4, { { 0, { 0, 1, 1 } }, { .333f, { 1, 1, 0 } }, { .666f, { 1, 0, 1 } },
+                     { 1, { 0, 1, 1 } } } },
+    { "square", 4, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
+                     { 3, { 1, 1, 0 } } } },
+    { "triangular", 6, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
+                         { 3, { 1, 1, 0 } }, { 4, { 0, 1, 1 } }, { 5, { 1, 0, 1 } } } },
+    { "wood", 2, { { .6f, { .666f, .312f, .2f } }, { .6f, { .4f, .1333f, .066f } } } },
+    { "", 2, { { 0, { 0, 0, 0 } }, { 1, { 1, 1, 1 } } } },     /* all others */
+};
+
+static const struct default_map *default_map(const char *pattern)
+{
+    const struct default_map *m = default_maps;
+
+    while (*m->pattern && strcmp(m->pattern, pattern))
+        m++;
+    return m;
+}
+
+/* ---- making ---- */
+
+struct chain chain_of(const struct transform *outer, const struct transform *own, bool from_uv,
+                      const struct turbulence *turbulence)
+{
+    struct transform all = from_uv ? *own : transform_compose(outer, own);
+
+    return (struct chain) { .from = all.from, .is_identity = all.is_identity, .from_uv = from_uv,
+                            .turbulence = *turbulence,
+                            .has_turbulence = vec_largest(turbulence->amount) > 0 };
+}
+
+const struct gauge *gauge_new(struct arena *mem, const struct chain *chain,
+                              const struct pattern_use *use, const struct map_entry *entry,
+                              size_t n_entry)
+{
+    struct gauge *g = arena_alloc(mem, sizeof *g);
+    float *key = arena_array(mem, n_entry, sizeof *key);
+
+    for (size_t i = 0; i < n_entry; i++)
+        key[i] = use->ops && use->ops->n_list ? (float)i : (float)entry[i].value;
+    g->chain = *chain;
+    g->use = *use;
+    g->key = key;
+    g->n_key = (int)n_entry;
+    return g;
+}
+
+static bool is_clear(colour c) { return c.f != 0 || c.t != 0; }
+
+/* The map's own colours, then the pattern's default ones: all of them when
+ * none was given, the missing last ones of a list. */
+static void colour_entries(struct paint *q, struct arena *mem, const struct pigment *p,
+                           const struct chain *chain)
+{
+    const struct default_map *standard = default_map(p->pattern.ops->name);
+    bool is_list = p->pattern.ops->n_list > 0;
+    size_t n = p->n_entry;
+
+    if (n == 0 || (is_list && n < (size_t)standard->n))
+        n = (size_t)standard->n;
+    colour *c = arena_array(mem, n, sizeof *c);
+    struct map_entry *entry = arena_array(mem, n, sizeof *entry);
+    for (size_t i = 0; i < n; i++) {
+        bool given = i < p->n_entry;
+        rgb d = given ? rgb_of(0, 0, 0) : standard->entry[i].c;
+        entry[i].value = given ? p->entry[i].value : standard->entry[i].key;
+        c[i] = given ? p->entry[i].colour : (colour) { d.r, d.g, d.b, 0, 0 };
+        q->can_transmit |= is_clear(c[i]);
+    }
+    q->entry_colour = c;
+    q->gauge = gauge_new(mem, chain, &p->pattern, entry, n);
+}
+
+static void pigment_entries(struct paint *q, struct arena *mem, const struct pigment *p,
+                            const struct chain *chain)
+{
+    size_t n_list = p->pattern.ops ? (size_t)p->pattern.ops->n_list : 0;
+    size_t n = p->n_entry > n_list ? p->n_entry : n_list;
+    struct map_entry *entry = arena_array(mem, n, sizeof *entry);
+    const struct paint **paint = arena_array(mem, n, sizeof *paint);
+    float *weight = arena_array(mem, n, sizeof *weight);
+    double total = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        if (i < p->n_entry)
+            entry[i] = p->entry[i];
+        paint[i] = paint_new(mem, i < p->n_entry ? entry[i].pigment : &pigment_default,
+                             &transform_identity);
+        q->can_transmit |= paint[i]->can_transmit;
+        total += (float)entry[i].value;
+    }
+    for (size_t i = 0; i < n; i++)
+        weight[i] = (float)(total != 0 ? (float)entry[i].value / total : 1.0 / (double)n);
+    q->entry = paint;
+    q->weight = weight;
+    q->gauge = gauge_new(mem, chain, &p->pattern, entry, n);
+}
+
+const struct paint *paint_new(struct arena *mem, const struct pigment *p,
+                              const struct transform *outer)
+{
+    struct paint *q = arena_alloc(mem, sizeof *q);
+
+    struct chain chain = chain_of(outer, &p->place, p->uv_mapping, &p->pattern.turbulence);
+
+    q->kind = p->kind;
+    q->colour = p->colour;
+    switch (p->kind) {
+    case PIGMENT_COLOUR:
+        q->can_transmit = is_clear(p->colour);
+        break;
+    case PIGMENT_COLOUR_MAP:
+        colour_entries(q, mem, p, &chain);
+        break;
+    case PIGMENT_PIGMENT_MAP:
+    case PIGMENT_AVERAGE:
+        pigment_entries(q, mem, p, &chain);
+        break;
+    case PIGMENT_IMAGE:
+        q->image = arena_copy(mem, &p->image, sizeof p->image);
+        q->can_transmit = p->image.image->has_transparency || p->image.once
+                          || p->image.filter_all != 0 || p->image.transmit_all != 0;
+        q->gauge = gauge_new(mem, &chain, &p->pattern, NULL, 0);
+        break;
+    }
+    return q;
+}
+
+/* ---- from a point to a pattern's number ---- */
+
+KERNEL static void move(const mat34 *m, int n, const double *restrict x, const double *restrict y,
+                        const double *restrict z, double *restrict ox, double *restrict oy,
+                        double *restrict oz)
+{
+    const mat34 a = *m;
+
+    for (int i = 0; i < n; i++) {
+        ox[i] = a.m[0][0] * x[i] + a.m[0][1] * y[i] + a.m[0][2] * z[i] + a.m[0][3];
+        oy[i] = a.m[1][0] * x[i] + a.m[1][1] * y[i] + a.m[1][2] * z[i] + a.m[1][3];
+        oz[i] = a.m[2][0] * x[i] + a.m[2][1] * y[i] + a.m[2][2] * z[i] + a.m[2][3];
+    }
+}
+
+void chain_walk(const struct chain *c, const struct spots *s, double *x, double *y,
+                       double *z)
+{
+    static const double zero[BATCH];
+    size_t bytes = (size_t)s->n * sizeof *x;
+    const double *fx = c->from_uv ? s->u : s->x, *fy = c->from_uv ? s->v : s->y;
+    const double *fz = c->from_uv ? zero : s->z;
+
+    if (c->is_identity) {
+        memcpy(x, fx, bytes);
+        memcpy(y, fy, bytes);
+        memcpy(z, fz, bytes);
+    } else {
+        move(&c->from, s->n, fx, fy, fz, x, y, z);
+    }
+}
+
+/* The sine wave of patterns.md 3.1, where the sign of v counts. */
+static double cycle(double v)
+{
+    double w = fabs(v), s = sin(2 * M_PI * (w - floor(w)));
+
+    return v >= 0 ? s : -s;
+}
+
+static double triangle(double v)
+{
+    double o = v >= 0 ? v - floor(v) : v + 1 + floor(fabs(v));
+
+    return o >= 0.5 ? 2 * (1 - o) : 2 * o;
+}
+
+static double wave(enum wave_type type, double exponent, double v)
+{
+    switch (type) {
+    case WAVE_RAMP: return v;
+    case WAVE_TRIANGLE: return triangle(v);
+    case WAVE_SINE: return (1 + cycle(v)) / 2;
+    case WAVE_SCALLOP: return fabs(cycle(v / 2));
+    case WAVE_CUBIC: return v * v * (3 - 2 * v);
+    case WAVE_POLY: return pow(v, (float)exponent);
+    }
+    return v;
+}
+
+/* 1.00001: POV-Ray's period, so that a value of exactly 1 stays at the end of its map. */
+static double tune(const struct pattern_use *use, double v)
+{
+    float frequency = (float)use->frequency, phase = (float)use->phase;
+
+    if (frequency != 0 && (frequency != 1 || phase != 0 || v > 1.00001 || v < -1.00001))
+        v = fmod(v * (double)frequency + (double)phase, 1.00001);
+    if (v < 0)
+        v -= floor(v);
+    return use->wave == WAVE_RAMP ? v : wave(use->wave, use->exponent, v);
+}
+
+/* Patterns.md 4.1: keys are used in the order written, never sorted. */
+static struct map_place look_up(const float *key, int n, double v)
+{
+    int c = 0;
+
+    if (n == 0 || v >= (double)key[n - 1])
+        return (struct map_place) { n - 1, n - 1, 0 };
+    while ((double)key[c] < v)
+        c++;
+    if (c == 0 || (double)key[c] == v)
+        return (struct map_place) { c, c, 0 };
+    double low = key[c - 1];
+    return (struct map_place) { c - 1, c, (float)((v - low) / ((double)key[c] - low)) };
+}
+
+void gauge_read(const struct gauge *g, const struct spots *s, double *x, double *y, double *z,
+                struct map_place *where)
+{
+    double value[BATCH];
+
+    chain_walk(&g->chain, s, x, y, z);
+    g->use.ops->values(g->use.self, s->n, x, y, z, value);
+    for (int i = 0; i < s->n; i++)
+        where[i] = look_up(g->key, g->n_key, tune(&g->use, value[i]));
+}
+
+/* ---- colours ---- */
+
+static void put(struct colours *out, int i, colour c)
+{
+    out->r[i] = c.r;
+    out->g[i] = c.g;
+    out->b[i] = c.b;
+    out->f[i] = c.f;
+    out->t[i] = c.t;
+}
+
+static colour blend(colour a, colour b, float t)
+{
+    return (colour) { a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b),
+                      a.f + t * (b.f - a.f), a.t + t * (b.t - a.t) };
+}
+
+static void map_colours(const struct paint *p, const struct spots *s, struct colours *out)
+{
+    double x[BATCH], y[BATCH], z[BATCH];
+    struct map_place where[BATCH];
+
+    gauge_read(p->gauge, s, x, y, z, where);
+    for (int i = 0; i < s->n; i++) {
+        colour c = p->entry_colour[where[i].before];
+        if (where[i].share != 0)
+            c = blend(c, p->entry_colour[where[i].after], where[i].share);
+        put(out, i, c);
+    }
+}
+
+static void add_scaled(struct colours *out, int to, const struct colours *in, int from, float w)
+{
+    out->r[to] += w * in->r[from];
+    out->g[to] += w * in->g[from];
+    out->b[to] += w * in->b[from];
+    out->f[to] += w * in->f[from];
+    out->t[to] += w * in->t[from];
+}
+
+/* Looks with one paint at those of the points that it has a share in. */
+static void add_paint(const struct paint *p, const struct spots *s, const float *share,
+                      struct colours *out)
+{
+    double x[BATCH], y[BATCH], z[BATCH], u[BATCH], v[BATCH];
+    int from[BATCH], n = 0;
+    struct colours c;
+
+    for (int i = 0; i < s->n; i++) {
+        if (share[i] == 0)
+            continue;
+        x[n] = s->x[i];
+        y[n] = s->y[i];
+        z[n] = s->z[i];
+        u[n] = s->u[i];
+        v[n] = s->v[i];
+        from[n++] = i;
+    }
+    if (n == 0)
+        return;
+    paint_colours(p, &(struct spots) { n, x, y, z, u, v }, &c);
+    for (int k = 0; k < n; k++)
+        add_scaled(out, from[k], &c, k, share[from[k]]);
+}
+
+static void blend_pigments(const struct paint *p, const struct spots *s, struct colours *out)
+{
+    double x[BATCH], y[BATCH], z[BATCH];
+    struct map_place where[BATCH];
+    float share[BATCH];
+
+    gauge_read(p->gauge, s, x, y, z, where);
+    struct spots inner = { s->n, x, y, z, s->u, s->v };
+    for (int e = 0; e < p->gauge->n_key; e++) {
+        for (int i = 0; i < s->n; i++)
+            share[i] = where[i].before == e ? 1 - where[i].share
+                     : where[i].after == e ? where[i].share : 0;
+        add_paint(p->entry[e], &inner, share, out);
+    }
+}
+
+static void average_pigments(const struct paint *p, const struct spots *s, struct colours *out)
+{
+    double x[BATCH], y[BATCH], z[BATCH];
+    float share[BATCH];
+
+    chain_walk(&p->gauge->chain, s, x, y, z);
+    struct spots inner = { s->n, x, y, z, s->u, s->v };
+    for (int e = 0; e < p->gauge->n_key; e++) {
+        for (int i = 0; i < s->n; i++)
+            share[i] = p->weight[e];
+        add_paint(p->entry[e], &inner, share, out);
+    }
+}
+
+static void image_colours(const struct paint *p, const struct spots *s, struct colours *out)
+{
+    double x[BATCH], y[BATCH], z[BATCH];
+
+    chain_walk(&p->gauge->chain, s, x, y, z);
+    for (int i = 0; i < s->n; i++)
+        put(out, i, picture_colour(p->image, vec(x[i], y[i], z[i])));
+}
+
+void paint_colours(const struct paint *p, const struct spots *s, struct colours *out)
+{
+    switch (p->kind) {
+    case PIGMENT_COLOUR:
+        for (int i = 0; i < s->n; i++)
+            put(out, i, p->colour);
+        break;
+    case PIGMENT_COLOUR_MAP:
+        map_colours(p, s, out);
+        break;
+    case PIGMENT_PIGMENT_MAP:
+        memset(out, 0, sizeof *out);
+        blend_pigments(p, s, out);
+        break;
+    case PIGMENT_AVERAGE:
+        memset(out, 0, sizeof *out);
+        average_pigments(p, s, out);
+        break;
+    case PIGMENT_IMAGE:
+        image_colours(p, s, out);
+        break;
+    }
+}

@@ -1,0 +1,285 @@
+/* render.c: tiles of the picture, shared out to threads. */
+#include "trace/render.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "trace/worker.h"
+
+enum {
+    TILE_WIDTH = 32, TILE_HEIGHT = 16,
+    WAVE_RAYS = 1024,                   /* of one pass over a tile, about */
+    STACK_BYTES = 64 << 20,             /* pigments nest as deeply as a scene's blocks may */
+};
+
+/* The rows of a row of tiles, on their way to the receiver. */
+struct band {
+    float *pixels;
+    unsigned tiles_left;
+};
+
+/* What the threads share.  Bands are finished in any order and handed over in
+ * theirs; only `window` of them exist at a time, so that memory does not grow
+ * with the picture. */
+struct gang {
+    const struct plan *plan;
+    const struct render_options *o;
+    unsigned across, down;              /* tiles */
+    unsigned long next, total;          /* tiles, row by row */
+    unsigned window, delivered;         /* bands */
+    struct band *band;                  /* a ring of window */
+    pthread_mutex_t lock;
+    pthread_cond_t moved;               /* a band was delivered, or the end was decided */
+    bool ended, delivering;
+    unsigned rows_done;
+    unsigned long tiles_done;
+    double rays, last_progress;
+    struct render_stats *stats;
+};
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
+static unsigned least(unsigned a, unsigned b) { return a < b ? a : b; }
+
+/* ---- a tile ---- */
+
+struct tile { unsigned x, y, width, height; };  /* pixels of the part that is rendered */
+
+static struct tile tile_at(const struct gang *g, unsigned long number)
+{
+    unsigned x = (unsigned)(number % g->across) * TILE_WIDTH;
+    unsigned y = (unsigned)(number / g->across) * TILE_HEIGHT;
+
+    return (struct tile) { x, y, least(TILE_WIDTH, g->o->crop_width - x),
+                           least(TILE_HEIGHT, g->o->crop_height - y) };
+}
+
+/* One camera ray: sample s of a pixel of the tile. */
+static void aim(struct worker *w, const struct render_options *o, const struct tile *t,
+                unsigned pixel, unsigned s)
+{
+    unsigned side = o->samples_side, x = t->x + pixel % t->width, y = t->y + pixel / t->width;
+    double fx = (s % side + 0.5) / side, fy = (s / side + 0.5) / side;
+    double u = (o->crop_x + x + fx) / o->width, v = (o->crop_y + y + fy) / o->height;
+    struct wave_ray r = { .weight = { 1, 1, 1 }, .alpha = 1, .adc = 1, .pixel = pixel,
+                          .inside = w->camera_inside, .mask = RAY_PRIMARY };
+
+    if (!lens_ray(&w->lens, u, v, &r.ray)) {
+        w->film.sum[pixel][3] += 1;
+        return;
+    }
+    if (!w->lens.fixed_origin)
+        r.inside = worker_insides_at(w, r.ray.origin);
+    w->counts.primary++;
+    wave_push(&w->now, &r);
+}
+
+static void trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
+{
+    unsigned n_pixel = t->width * t->height, n_sample = o->samples_side * o->samples_side;
+    unsigned at_once = WAVE_RAYS > n_pixel ? WAVE_RAYS / n_pixel : 1;
+
+    film_start(&w->film, n_pixel);
+    for (unsigned s = 0; s < n_sample; s += at_once) {
+        unsigned end = least(s + at_once, n_sample);
+        for (unsigned pixel = 0; pixel < n_pixel; pixel++)
+            for (unsigned k = s; k < end; k++)
+                aim(w, o, t, pixel, k);
+        worker_trace(w);
+    }
+}
+
+static void develop(const struct worker *w, const struct render_options *o, const struct tile *t,
+                    float *band)
+{
+    double n = (double)o->samples_side * o->samples_side;
+
+    for (unsigned y = 0; y < t->height; y++)
+        for (unsigned x = 0; x < t->width; x++) {
+            const double *sum = w->film.sum[y * t->width + x];
+            float *out = band + 4 * ((size_t)y * o->crop_width + t->x + x);
+            for (int k = 0; k < 4; k++)
+                out[k] = (float)(sum[k] / n);
+        }
+}
+
+/* ---- sharing out ---- */
+
+static bool is_stopped(const struct gang *g) { return g->o->stop && *g->o->stop; }
+
+static struct band *band_of(const struct gang *g, unsigned long tile)
+{
+    return &g->band[tile / g->across % g->window];
+}
+
+/* The next tile, or false at the end.  A stopped render finishes the bands
+ * that are begun. */
+static bool take(struct gang *g, unsigned long *tile)
+{
+    pthread_mutex_lock(&g->lock);
+    while (!g->ended && g->next < g->total
+           && g->next / g->across >= (unsigned long)g->delivered + g->window)
+        pthread_cond_wait(&g->moved, &g->lock);
+    if (g->next % g->across == 0 && is_stopped(g))
+        g->total = g->next;
+    bool more = !g->ended && g->next < g->total;
+    if (more)
+        *tile = g->next++;
+    pthread_mutex_unlock(&g->lock);
+    return more;
+}
+
+static void tell_progress(struct gang *g)
+{
+    double t = now();
+
+    if (!g->o->progress || t - g->last_progress < 0.05)
+        return;
+    g->last_progress = t;
+    g->o->progress(g->o->arg, (double)g->tiles_done / ((double)g->across * g->down), g->rays);
+}
+
+/* Hands over all bands that are whole and next, with the lock held but for
+ * the call itself; one thread at a time. */
+static void deliver(struct gang *g)
+{
+    if (g->delivering)
+        return;
+    g->delivering = true;
+    while (!g->ended && g->delivered < g->down) {
+        struct band *b = &g->band[g->delivered % g->window];
+        unsigned first = g->delivered * TILE_HEIGHT;
+        unsigned count = least(TILE_HEIGHT, g->o->crop_height - first);
+        if (b->tiles_left)
+            break;
+        pthread_mutex_unlock(&g->lock);
+        bool go_on = g->o->rows(g->o->arg, first, count, b->pixels);
+        pthread_mutex_lock(&g->lock);
+        if (!go_on) {
+            g->ended = true;
+        } else {
+            g->rows_done = first + count;
+            g->delivered++;
+            b->tiles_left = g->across;
+        }
+        pthread_cond_broadcast(&g->moved);
+    }
+    g->delivering = false;
+}
+
+static void finish_tile(struct gang *g, unsigned long tile, double rays)
+{
+    pthread_mutex_lock(&g->lock);
+    g->tiles_done++;
+    g->rays += rays;
+    tell_progress(g);
+    if (--band_of(g, tile)->tiles_left == 0)
+        deliver(g);
+    pthread_mutex_unlock(&g->lock);
+}
+
+static void add_counts(struct gang *g, const struct worker *w)
+{
+    struct geometry_counts c = scratch_counts(w->scratch);
+
+    pthread_mutex_lock(&g->lock);
+    g->stats->rays += (double)c.rays;
+    g->stats->shadow_rays += (double)c.shadow_rays;
+    g->stats->primary_rays += w->counts.primary;
+    g->stats->reflected_rays += w->counts.reflected;
+    g->stats->refracted_rays += w->counts.refracted;
+    pthread_mutex_unlock(&g->lock);
+}
+
+static double rays_of(const struct worker *w)
+{
+    struct geometry_counts c = scratch_counts(w->scratch);
+
+    return (double)(c.rays + c.shadow_rays);
+}
+
+static void *work(void *arg)
+{
+    struct gang *g = arg;
+    struct worker w;
+    unsigned long number;
+
+    worker_init(&w, g->plan);
+    while (take(g, &number)) {
+        struct tile t = tile_at(g, number);
+        double before = rays_of(&w);
+        trace_tile(&w, g->o, &t);
+        develop(&w, g->o, &t, band_of(g, number)->pixels);
+        finish_tile(g, number, rays_of(&w) - before);
+    }
+    add_counts(g, &w);
+    worker_release(&w);
+    return NULL;
+}
+
+/* ---- the whole ---- */
+
+static void run_threads(struct gang *g, unsigned n)
+{
+    pthread_t *thread = calloc(n, sizeof *thread);
+    pthread_attr_t attr;
+    unsigned started = 0;
+
+    pthread_attr_init(&attr);
+    pthread_attr_setstacksize(&attr, STACK_BYTES);
+    for (unsigned i = 0; thread && i < n; i++)
+        if (pthread_create(&thread[started], &attr, work, g) == 0)
+            started++;
+    if (started == 0)
+        work(g);
+    for (unsigned i = 0; i < started; i++)
+        pthread_join(thread[i], NULL);
+    pthread_attr_destroy(&attr);
+    free(thread);
+}
+
+static void make_bands(struct gang *g, struct arena *mem)
+{
+    size_t floats = (size_t)g->o->crop_width * TILE_HEIGHT * 4;
+
+    g->band = arena_array(mem, g->window, sizeof *g->band);
+    for (unsigned i = 0; i < g->window; i++) {
+        g->band[i].pixels = arena_array(mem, floats, sizeof(float));
+        g->band[i].tiles_left = g->across;
+    }
+}
+
+bool render(const struct plan *p, const struct render_options *o, struct render_stats *stats)
+{
+    struct gang g = {
+        .plan = p, .o = o, .stats = stats,
+        .across = (o->crop_width + TILE_WIDTH - 1) / TILE_WIDTH,
+        .down = (o->crop_height + TILE_HEIGHT - 1) / TILE_HEIGHT,
+    };
+    unsigned threads = o->threads ? o->threads : 1;
+    double start = now();
+    struct arena mem;
+
+    *stats = (struct render_stats) { 0 };
+    arena_init(&mem, p->mem->budget);
+    g.total = (unsigned long)g.across * g.down;
+    g.window = least(threads + 2, g.down);
+    make_bands(&g, &mem);
+    pthread_mutex_init(&g.lock, NULL);
+    pthread_cond_init(&g.moved, NULL);
+    run_threads(&g, threads);
+    pthread_cond_destroy(&g.moved);
+    pthread_mutex_destroy(&g.lock);
+    arena_free(&mem);
+    stats->rows_done = g.rows_done;
+    stats->seconds = now() - start;
+    return g.rows_done == o->crop_height;
+}

@@ -1,0 +1,21 @@
+/* shader.h: what all of a plan's surfaces share. */
+#ifndef RTC_SHADER_H
+#define RTC_SHADER_H
+
+#include "trace/intern.h"
+#include "trace/light.h"
+#include "trace/plan.h"
+#include "trace/program.h"
+
+struct shader {
+    const struct lamp *lamp;
+    size_t n_lamp;
+    uint32_t n_group;                   /* of programs */
+    bool has_face_textures;             /* some mesh has its own */
+    bool has_interior;                  /* some surface has one that was given */
+    size_t room_surface;
+    struct intern gloss, plain, program, group, surface;    /* content to the one copy of it */
+    size_t n_program, n_gloss, n_lit[4];
+};
+
+#endif

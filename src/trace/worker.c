@@ -1,0 +1,240 @@
+/* worker.c: waves of rays, followed until nothing is left. */
+#include "trace/worker.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "trace/shade.h"
+
+enum { MOST_SURROUNDING = 64 };         /* solids around a camera that are noticed */
+
+static int largest_grid(const struct shader *s)
+{
+    int most = 0;
+
+    for (size_t i = 0; i < s->n_lamp; i++) {
+        int n = s->lamp[i].is_area ? s->lamp[i].area.n1 * s->lamp[i].area.n2 : 0;
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+void worker_init(struct worker *w, const struct plan *p)
+{
+    size_t n_shadow = p->shader->n_lamp * BATCH;
+
+    memset(w, 0, sizeof *w);
+    w->plan = p;
+    w->shader = p->shader;
+    arena_init(&w->mem, p->mem->budget);
+    w->scratch = scratch_new(p, &w->mem);
+    w->lens = lens_of(&p->camera);
+    insides_init(&w->insides);
+    w->shadows.known = arena_array(&w->mem, n_shadow, sizeof *w->shadows.known);
+    w->shadows.through = arena_array(&w->mem, n_shadow, sizeof *w->shadows.through);
+    w->grid = arena_array(&w->mem, (size_t)largest_grid(p->shader), sizeof *w->grid);
+    w->start = arena_array(&w->mem, (size_t)p->shader->n_group + 1, sizeof *w->start);
+    w->camera_inside = w->lens.fixed_origin ? worker_insides_at(w, w->lens.location) : 0;
+    w->n_camera_inside = w->insides.n;
+}
+
+void worker_release(struct worker *w)
+{
+    wave_release(&w->now);
+    wave_release(&w->next);
+    film_release(&w->film);
+    insides_release(&w->insides);
+    free(w->meeting);
+    free(w->point);
+    free(w->task);
+    free(w->sorted);
+    arena_free(&w->mem);
+}
+
+uint32_t worker_insides_at(struct worker *w, vec3 point)
+{
+    uint32_t around[MOST_SURROUNDING], list = 0;
+
+    if (!w->plan->has_refraction && !w->shader->has_interior)
+        return 0;
+    size_t n = geometry_inside(w->plan, w->scratch, point, around, MOST_SURROUNDING);
+    for (size_t i = 0; i < n && i < MOST_SURROUNDING; i++)
+        list = insides_enter(&w->insides, list, &w->plan->surface[around[i]], NO_INSTANCE);
+    return list;
+}
+
+static void *grown(void *old, int n, size_t size)
+{
+    void *more = realloc(old, (size_t)n * size);
+
+    if (!more) {
+        fputs("rtc: out of memory\n", stderr);
+        exit(4);
+    }
+    return more;
+}
+
+static void reserve_hits(struct worker *w, int n)
+{
+    if (n <= w->room_hits)
+        return;
+    w->room_hits = n > 2 * w->room_hits ? n : 2 * w->room_hits;
+    w->meeting = grown(w->meeting, w->room_hits, sizeof *w->meeting);
+    w->point = grown(w->point, w->room_hits, sizeof *w->point);
+    /* A mesh face may have three textures, one a corner. */
+    w->task = grown(w->task, 3 * w->room_hits, sizeof *w->task);
+    w->sorted = grown(w->sorted, 3 * w->room_hits, sizeof *w->sorted);
+}
+
+/* ---- what is seen where nothing is met (3.6) ---- */
+
+static void add_background(struct worker *w, int i)
+{
+    const struct scene *s = w->plan->scene;
+    bool is_old = s->settings.effective_version < 370;
+    rgb weight = rgb_of(w->now.red[i], w->now.green[i], w->now.blue[i]);
+    rgb c = rgb_of(0, 0, 0);
+    float transmit = 1;
+
+    if (s->has_background) {
+        c = colour_rgb(s->background);
+        if (!is_old) {
+            transmit = s->background.t;
+            c = rgb_scale(c, 1 - transmit);
+        }
+    }
+    film_add(&w->film, w->now.pixel[i], rgb_mul(weight, c));
+    w->film.sum[w->now.pixel[i]][3] += w->now.alpha[i] * transmit;
+}
+
+/* ---- hits ---- */
+
+static void meet(struct worker *w)
+{
+    for (int i = 0; i < w->now.n; i++)
+        if (!geometry_nearest(w->plan, w->scratch, wave_at(&w->now, i), INFINITY,
+                              w->now.mask[i], &w->meeting[i])) {
+            w->meeting[i].leaf = NO_LEAF;
+            add_background(w, i);
+        }
+}
+
+static void locate(struct worker *w)
+{
+    for (int i = 0; i < w->now.n; i++)
+        if (w->meeting[i].leaf != NO_LEAF)
+            geometry_point(w->plan, wave_at(&w->now, i), &w->meeting[i], &w->point[i]);
+}
+
+/* ---- programs ---- */
+
+static const struct program *program_at(const struct worker *w, int i)
+{
+    const struct surface_point *p = &w->point[i];
+    const struct surface *s = &w->plan->surface[p->surface];
+    bool from_inside = s->interior_program && vec_dot(p->normal, wave_at(&w->now, i).dir) > 0;
+
+    return from_inside ? s->interior_program : s->program;
+}
+
+static int add_face_tasks(struct worker *w, int i, const struct program *whole, int n)
+{
+    const struct surface_point *p = &w->point[i];
+
+    if (p->texture[0] == p->texture[1] && p->texture[0] == p->texture[2]) {
+        w->task[n++] = (struct task) { (uint32_t)i, whole->face[p->texture[0]], 1 };
+        return n;
+    }
+    for (int k = 0; k < 3; k++) {
+        const struct program *face = p->texture[k] == MESH_NONE ? whole
+                                                                : whole->face[p->texture[k]];
+        if ((double)p->weight[k] >= w->plan->scene->settings.adc_bailout)
+            w->task[n++] = (struct task) { (uint32_t)i, face, p->weight[k] };
+    }
+    return n;
+}
+
+static int make_tasks(struct worker *w)
+{
+    int n = 0;
+
+    for (int i = 0; i < w->now.n; i++) {
+        if (w->meeting[i].leaf == NO_LEAF)
+            continue;
+        const struct program *p = program_at(w, i);
+        if (p->face && w->point[i].texture[0] != MESH_NONE)
+            n = add_face_tasks(w, i, p, n);
+        else
+            w->task[n++] = (struct task) { (uint32_t)i, p, 1 };
+    }
+    return n;
+}
+
+/* Stable: a pixel's rays keep their order within a group. */
+static void sort_by_counting(struct worker *w, int n)
+{
+    uint32_t n_group = w->shader->n_group;
+
+    memset(w->start, 0, (n_group + 1) * sizeof *w->start);
+    for (int i = 0; i < n; i++)
+        w->start[w->task[i].program->group + 1]++;
+    for (uint32_t g = 0; g < n_group; g++)
+        w->start[g + 1] += w->start[g];
+    for (int i = 0; i < n; i++)
+        w->sorted[w->start[w->task[i].program->group]++] = w->task[i];
+}
+
+static int by_group(const void *a, const void *b)
+{
+    const struct task *s = a, *t = b;
+
+    if (s->program->group != t->program->group)
+        return s->program->group < t->program->group ? -1 : 1;
+    if (s->hit != t->hit)
+        return s->hit < t->hit ? -1 : 1;
+    return (s->share > t->share) - (s->share < t->share);
+}
+
+static void sort_tasks(struct worker *w, int n)
+{
+    if (w->shader->n_group <= 1024u || w->shader->n_group <= (uint32_t)n) {
+        sort_by_counting(w, n);
+        return;
+    }
+    memcpy(w->sorted, w->task, (size_t)n * sizeof *w->task);
+    qsort(w->sorted, (size_t)n, sizeof *w->sorted, by_group);
+}
+
+static void shade_all(struct worker *w, int n)
+{
+    for (int i = 0, end; i < n; i = end) {
+        uint32_t group = w->sorted[i].program->group;
+        for (end = i + 1; end < n && end - i < BATCH && w->sorted[end].program->group == group;)
+            end++;
+        shade_tasks(w, w->sorted + i, end - i);
+    }
+}
+
+static void trade_waves(struct worker *w)
+{
+    struct wave done = w->now;
+
+    w->now = w->next;
+    w->next = done;
+    w->next.n = 0;
+}
+
+void worker_trace(struct worker *w)
+{
+    while (w->now.n) {
+        reserve_hits(w, w->now.n);
+        meet(w);
+        locate(w);
+        int n = make_tasks(w);
+        sort_tasks(w, n);
+        shade_all(w, n);
+        trade_waves(w);
+    }
+    film_settle(&w->film);
+    w->insides.n = w->n_camera_inside;
+}

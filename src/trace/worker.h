@@ -1,0 +1,55 @@
+/* worker.h: what one thread works with. */
+#ifndef RTC_WORKER_H
+#define RTC_WORKER_H
+
+#include "trace/camera_rays.h"
+#include "trace/film.h"
+#include "trace/geometry.h"
+#include "trace/insides.h"
+#include "trace/shader.h"
+#include "trace/wave.h"
+
+/* A point with one program to be shaded; more than one for a face that blends textures. */
+struct task {
+    uint32_t hit;                       /* number of the ray, its meeting and its point */
+    const struct program *program;
+    float share;
+};
+
+/* What arrives of each lamp at the points of a batch, once it is known. */
+struct shadows { bool *known; rgb *through; };      /* [lamp * BATCH + slot] */
+
+struct render_counts { double primary, reflected, refracted; };
+
+struct worker {
+    const struct plan *plan;
+    const struct shader *shader;
+    struct arena mem;
+    struct scratch *scratch;
+    struct lens lens;
+    struct wave now, next;
+    struct film film;
+    struct insides insides;
+    uint32_t camera_inside, n_camera_inside;    /* the list at a fixed camera; items to keep */
+    struct meeting *meeting;            /* of the rays of the wave now; leaf NO_LEAF: none */
+    struct surface_point *point;
+    struct task *task, *sorted;
+    uint32_t *start;                    /* of each group among the sorted tasks */
+    int room_hits, room_tasks;
+    struct shadows shadows;
+    rgb *grid;                          /* an area light's samples; r < 0: not known yet */
+    struct mirror_layer *mirror;        /* of the layers of a program */
+    int room_mirror;
+    struct render_counts counts;
+};
+
+void worker_init(struct worker *w, const struct plan *p);
+void worker_release(struct worker *w);
+
+/* The interiors around a camera or the origin of a ray. */
+uint32_t worker_insides_at(struct worker *w, vec3 point);
+
+/* Follows the wave `now` and all that comes of it until nothing is left. */
+void worker_trace(struct worker *w);
+
+#endif
