@@ -85,7 +85,8 @@ INLINE bool cut_wall(const struct frustum *s, vec3 p, vec3 d, double *near, doub
     if (UNLIKELY(a == 0 && grow == 0)) {        /* along a cylinder's axis */
         *near = -INFINITY;
         *far = INFINITY;
-        return c < 0;
+        return dd_sub(dd_add(dd_product(p.x, p.x), dd_product(p.y, p.y)),
+                      dd_product(rho, rho)).hi < 0;
     }
     if (a > 0 && !(left > 0))
         return false;

@@ -87,7 +87,7 @@ INLINE bool triangle_cross(const struct triangle_ray *r, vec3 a, vec3 b, vec3 c,
 INLINE double triangle_slack(const struct triangle_ray *r, vec3 a, vec3 b, vec3 c)
 {
     double reach = fmax(vec_sum_abs(a), fmax(vec_sum_abs(b), vec_sum_abs(c)));
-    return 6 * ROUNDING * (r->reach + reach);
+    return 5 * ROUNDING * (r->reach + reach);
 }
 
 #endif

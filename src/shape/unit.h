@@ -47,7 +47,7 @@ static inline vec3 direction_of(vec3 a)
  * in tests/check_shape.c finds at most half of it. */
 static inline double slack_at(struct ray ray, double t, double size)
 {
-    return 8 * ROUNDING * (vec_sum_abs(ray.origin) + fabs(t) * vec_sum_abs(ray.dir) + size);
+    return 4 * ROUNDING * (vec_sum_abs(ray.origin) + fabs(t) * vec_sum_abs(ray.dir) + size);
 }
 
 static inline struct hit hit_at(struct ray ray, double t, double size, uint32_t part)
