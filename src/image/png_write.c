@@ -27,8 +27,8 @@ struct png_writer {
 };
 
 /* Runs of equal bytes only, after the difference to the pixel before: the
- * pictures are about a quarter larger than at zlib's best, in a tenth of its
- * time (500 x 500: 3 ms; level 6 takes 30). */
+ * pictures are a quarter larger than at zlib's level 6, in a quarter of its
+ * time (500 x 500: 6 ms instead of 21). */
 enum { LEVEL = 1, BUFFER = 1 << 16 };
 
 static void on_error(png_structp png, png_const_charp message)

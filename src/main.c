@@ -1,0 +1,335 @@
+/* main.c: bytes -> tokens -> AST -> values -> scene -> plan -> pixels -> file. */
+#include <errno.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/arena.h"
+#include "base/diag.h"
+#include "base/source.h"
+#include "cli/engines.h"
+#include "cli/frames.h"
+#include "cli/options.h"
+#include "cli/picture.h"
+#include "cli/places.h"
+#include "cli/progress.h"
+#include "cli/stats.h"
+#include "cli/stop.h"
+#include "image/image.h"
+#include "lang/lang.h"
+#include "lang/state.h"
+
+/* One picture's way through the program. */
+struct run {
+    const struct options *o;
+    const struct engine *engine;
+    struct budget budget;
+    struct arena text, tree, scene_mem, plan_mem;       /* each stage's own */
+    struct sources sources;
+    struct diag diag;
+    FILE *debug;
+    int frame;                          /* 0: no animation */
+    struct lang *lang;
+    bool limit_reached;
+    struct stats stats;
+};
+
+/* --- the world ----------------------------------------------------------- */
+
+/* Called wherever memory runs out, from any thread. */
+static void out_of_memory(size_t limit)
+{
+    static const char text[] =
+        "rtc: error: the scene needs more than %.6g MiB of memory; --max-memory allows more\n";
+
+    fprintf(stderr, text, (double)limit / (1 << 20));
+    fflush(NULL);
+    stop_now(EXIT_LIMIT);
+}
+
+static unsigned all_processors(void)
+{
+    cpu_set_t set;
+
+    if (sched_getaffinity(0, sizeof set, &set) == 0)
+        return (unsigned)CPU_COUNT(&set);
+    long n = sysconf(_SC_NPROCESSORS_ONLN);
+    return n > 0 ? (unsigned)n : 1;
+}
+
+static unsigned threads(const struct options *o)
+{
+    return o->threads ? o->threads : all_processors();
+}
+
+static bool load_image(struct arena *mem, const char *path, const char *type, struct bitmap *out,
+                       const char **error)
+{
+    *error = "only PNG pictures can be read yet";
+    return strcmp(type, "png") == 0 && image_read_png(mem, path, 0, out, error);
+}
+
+/* #debug goes to standard error, or to the file of +GD. */
+static bool open_debug(const struct options *o, int frame, FILE **debug)
+{
+    *debug = o->no_debug ? NULL : stderr;
+    if (!o->debug_file)
+        return true;
+    *debug = fopen(o->debug_file, frame > 1 ? "a" : "w");
+    return *debug || option_error("+GD: %s: %s", o->debug_file, strerror(errno));
+}
+
+static void close_debug(FILE *debug)
+{
+    if (debug && debug != stderr)
+        fclose(debug);
+}
+
+/* --- the stages ---------------------------------------------------------- */
+
+static struct lang_setup setup_of(struct run *r)
+{
+    const struct options *o = r->o;
+    const struct animation *a = &o->animation;
+    struct lang_setup s = {
+        .mem = &r->tree, .scene_mem = &r->scene_mem, .sources = &r->sources, .diag = &r->diag,
+        .limits = &o->limits, .library = o->library.item, .n_library = o->library.n,
+        .allow_read = o->allow_read.item, .n_allow_read = o->allow_read.n,
+        .allow_write = o->allow_write.item, .n_allow_write = o->allow_write.n,
+        .declare = o->declare.item, .n_declare = o->declare.n,
+        .width = o->width, .height = o->height, .version = o->version,
+        .clock = o->clock, .clock_on = o->has_clock, .debug = r->debug, .load_image = load_image };
+
+    if (r->frame) {
+        s.clock = frames_clock(a, r->frame);
+        s.clock_on = true;
+        s.clock_delta = frames_clock_delta(a);
+        s.initial_clock = a->initial_clock, s.final_clock = a->final_clock;
+        s.frame_number = r->frame;
+        s.initial_frame = a->initial_frame, s.final_frame = a->final_frame;
+    }
+    return s;
+}
+
+static double lap(double *start)
+{
+    double now = progress_now(), spent = now - *start;
+
+    *start = now;
+    return spent;
+}
+
+static int fail(const struct run *r)
+{
+    return r->limit_reached ? EXIT_LIMIT : EXIT_SCENE;
+}
+
+static bool dump_text(struct run *r)
+{
+    if (r->o->task == TASK_DUMP_TOKENS)
+        lang_dump_tokens(r->lang, r->o->scene, stdout);
+    return r->o->task == TASK_DUMP_TOKENS;
+}
+
+/* bytes -> tokens -> AST -> values -> scene; NULL: there is none, or the
+ * dump that was asked for is done. */
+static struct scene *read_scene(struct run *r)
+{
+    if (dump_text(r))
+        return NULL;
+    const struct ast *tree = lang_parse(r->lang, r->o->scene);
+    if (tree && r->o->task == TASK_DUMP_AST)
+        lang_dump_ast(r->lang, tree, stdout);
+    if (!tree || r->o->task == TASK_DUMP_AST)
+        return NULL;
+    struct scene *scene = lang_build(r->lang, tree);
+    if (r->o->task == TASK_DUMP_SCENE && scene && !r->diag.errors)
+        scene_dump(scene, stdout);
+    return scene;
+}
+
+/* scene -> plan */
+static struct plan *make_plan(struct run *r, const struct scene *scene)
+{
+    struct plan *plan = r->engine->plan_new(scene, &r->plan_mem, threads(r->o));
+
+    if (r->o->task == TASK_DUMP_PLAN)
+        r->engine->plan_dump(plan, stdout);
+    if (r->o->task == TASK_EXPLAIN)
+        r->engine->plan_explain(plan, stdout);
+    return plan;
+}
+
+static int cannot_write(const struct picture *p)
+{
+    fprintf(stderr, "rtc: error: cannot write %s: %s\n",
+            strcmp(p->path, "-") == 0 ? "to standard output" : p->path, p->error);
+    return EXIT_OUTPUT;
+}
+
+/* plan -> pixels -> file */
+static int render_rows(struct run *r, const struct plan *plan, struct picture *p,
+                       struct render_options *ro)
+{
+    double side = 1;
+
+    while (side * side < r->o->samples)
+        side++;
+    ro->samples_side = (unsigned)side;
+    ro->threads = threads(r->o);
+    ro->stop = stop_flag;
+    progress_start(&p->progress, stderr, !r->o->quiet);
+    bool whole = r->engine->render(plan, ro, &r->stats.render);
+    progress_end(&p->progress);
+    r->stats.write = p->write_seconds;
+    if (!picture_close(p, !p->error) || p->error)
+        return cannot_write(p);
+    return whole ? EXIT_OK : EXIT_INTERRUPTED;
+}
+
+static void count_scene(struct run *r, const struct scene *scene)
+{
+    r->stats.objects = scene->n_object;
+    r->stats.lights = scene->n_light;
+    r->stats.scene_bytes = arena_size(&r->scene_mem);
+    r->stats.plan_bytes = arena_size(&r->plan_mem);
+}
+
+/* The output is opened before the plan is made: whoever gave a wrong name
+ * need not wait for that. */
+static int make_picture(struct run *r, const struct scene *scene)
+{
+    struct picture picture;
+    struct render_options ro = { 0 };
+    double start = progress_now();
+
+    if (r->o->task != TASK_RENDER) {
+        make_plan(r, scene);
+        return EXIT_OK;
+    }
+    const char *path = places_output(r->o, r->frame);
+    if (!picture_open(&picture, r->o, &scene->settings, path, &r->plan_mem, &ro)) {
+        picture_close(&picture, false);
+        return cannot_write(&picture);
+    }
+    const struct plan *plan = make_plan(r, scene);
+    r->stats.build = lap(&start);
+    int status = render_rows(r, plan, &picture, &ro);
+    r->stats.trace = lap(&start);
+    count_scene(r, scene);
+    return status;
+}
+
+static int make_frame(struct run *r)
+{
+    struct lang_setup setup = setup_of(r);
+    double start = progress_now();
+
+    r->lang = lang_new(&setup);
+    struct scene *scene = read_scene(r);
+    r->limit_reached = r->lang->limit_reached;
+    lang_free(r->lang);
+    arena_free(&r->tree);
+    r->stats.parse = lap(&start);
+    if (r->diag.errors || r->limit_reached)
+        return fail(r);
+    if (!scene || r->o->task == TASK_CHECK || r->o->task == TASK_DUMP_SCENE)
+        return EXIT_OK;
+    return make_picture(r, scene);
+}
+
+/* --- around them --------------------------------------------------------- */
+
+static void start_diag(struct run *r)
+{
+    const struct options *o = r->o;
+    struct diag *d = &r->diag;
+
+    diag_init(d, &r->sources, stderr);
+    d->style = o->diagnostics;
+    d->colour = isatty(STDERR_FILENO) && !getenv("NO_COLOR");
+    d->quiet = o->quiet;
+    d->strict = o->strict;
+}
+
+static void print_stats(struct run *r)
+{
+    bool to_picture = r->o->output && strcmp(r->o->output, "-") == 0;
+
+    if (r->o->stats != STATS_NONE)
+        stats_print(&r->stats, r->o, to_picture ? stderr : stdout);
+}
+
+static int run_frame(const struct options *o, const struct engine *engine, int frame)
+{
+    struct run r = { .o = o, .engine = engine, .frame = frame,
+                     .budget = { .limit = o->limits.memory, .exceeded = out_of_memory },
+                     .stats = { .start = progress_now() } };
+
+    if (!open_debug(o, frame, &r.debug))
+        return EXIT_OUTPUT;
+    arena_init(&r.text, &r.budget);
+    arena_init(&r.tree, &r.budget);
+    arena_init(&r.scene_mem, &r.budget);
+    arena_init(&r.plan_mem, &r.budget);
+    sources_init(&r.sources, &r.text);
+    start_diag(&r);
+    int status = make_frame(&r);
+    diag_end(&r.diag);
+    if (status == EXIT_OK && o->task == TASK_RENDER)
+        print_stats(&r);
+    close_debug(r.debug);
+    arena_free(&r.plan_mem);
+    arena_free(&r.scene_mem);
+    arena_free(&r.text);
+    return status;
+}
+
+static int run_all(const struct options *o, const struct engine *engine)
+{
+    struct frames f = frames_of(&o->animation);
+
+    if (!o->animation.is_on)
+        return run_frame(o, engine, 0);
+    for (int frame = f.first; frame <= f.last; frame += f.step) {
+        int status = run_frame(o, engine, frame);
+        if (status != EXIT_OK)
+            return status;
+    }
+    return EXIT_OK;
+}
+
+static int run(struct options *o)
+{
+    const struct engine *engine = engine_find(o->isa);
+
+    if (!engine) {
+        option_error("--isa: '%s' is not in this program or not on this machine", o->isa);
+        return EXIT_USAGE;
+    }
+    places_library(o);
+    stop_install();
+    int status = run_all(o, engine);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == EXIT_OK) {
+        fprintf(stderr, "rtc: error: cannot write to standard output: %s\n", strerror(errno));
+        status = EXIT_OUTPUT;
+    }
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct arena mem;
+    struct options o;
+    int status = EXIT_OK;
+
+    arena_init(&mem, NULL);
+    if (!options_read(&o, argc, argv, &mem))
+        status = EXIT_USAGE;
+    else if (o.task != TASK_NOTHING)
+        status = run(&o);
+    arena_free(&mem);
+    return status;
+}
