@@ -1,0 +1,1 @@
+-W 8 -H 6 --declare 3=4 -o OUT data/good.rt

@@ -1,0 +1,1 @@
+--dump=soup data/good.rt

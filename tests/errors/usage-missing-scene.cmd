@@ -1,0 +1,1 @@
+-o OUT data/no-such-scene.rt

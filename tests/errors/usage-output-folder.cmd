@@ -1,0 +1,1 @@
+-W 8 -H 6 -o data data/good.rt

@@ -1,0 +1,1 @@
+-W 8 -H 6 -o no-such-folder/out.png data/good.rt

@@ -1,0 +1,1 @@
+--samples 4x -o OUT data/good.rt

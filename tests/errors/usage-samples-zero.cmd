@@ -1,0 +1,1 @@
+--samples 0 -o OUT data/good.rt

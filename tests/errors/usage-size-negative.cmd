@@ -1,0 +1,1 @@
+-W 80 -H -60 -o OUT data/good.rt

@@ -1,0 +1,1 @@
+-W wide -o OUT data/good.rt

@@ -1,0 +1,1 @@
+-W 0 -o OUT data/good.rt

@@ -1,0 +1,1 @@
+-t 0 -o OUT data/good.rt

@@ -1,0 +1,1 @@
+--fastest -o OUT data/good.rt
