@@ -7,46 +7,6 @@
 #include "math/kernel.h"
 #include "trace/picture.h"
 
-/* Colours of a map that was not given; keys as listed, or 0, 1, 2 of a list. */
-struct default_map {
-    const char *pattern;
-    int n;
-    struct { float key; rgb c; } entry[6];
-};
-
-static const struct default_map default_maps[] = {
-    { "agate", 6, { { 0, { 1, 1, 1 } }, { .5f, { .95f, .75f, .5f } }, { .5f, { .9f, .7f, .5f } },
-                    { .6f, { .9f, .7f, .4f } }, { .6f, { 1, .7f, .4f } }, { 1, { .6f, .3f, 0 } } } },
-    { "bozo", 6, { { .4f, { 1, 1, 1 } }, { .4f, { 0, 1, 0 } }, { .6f, { 0, 1, 0 } },
-                   { .6f, { 0, 0, 1 } }, { .8f, { 0, 0, 1 } }, { .8f, { 1, 0, 0 } } } },
-    { "brick", 2, { { 0, { .5f, .5f, .5f } }, { 1, { .6f, .15f, .15f } } } },
-    { "checker", 2, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } } } },
-    { "cubic", 6, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
-                    { 3, { 1, 1, 0 } }, { 4, { 0, 1, 1 } }, { 5, { 1, 0, 1 } } } },
-    { "hexagon", 3, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } }, { 2, { 1, 0, 0 } } } },
-    { "mandel", 5, { { .001f, { 0, 0, 0 } }, { .001f, { 0, 1, 1 } }, { .012f, { 1, 1, 0 } },
-                     { .015f, { 1, 0, 1 } }, { .1f, { 0, 1, 1 } } } },
-    { "marble", 3, { { 0, { .9f, .8f, .8f } }, { .9f, { .9f, .08f, .08f } }, { .9f, { 0, 0, 0 } } } },
-    { "object", 2, { { 0, { 0, 0, 1 } }, { 1, { 0, 1, 0 } } } },
-    { "radial", 4, { { 0, { 0, 1, 1 } }, { .333f, { 1, 1, 0 } }, { .666f, { 1, 0, 1 } },
-                     { 1, { 0, 1, 1 } } } },
-    { "square", 4, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
-                     { 3, { 1, 1, 0 } } } },
-    { "triangular", 6, { { 0, { 1, 0, 0 } }, { 1, { 0, 1, 0 } }, { 2, { 0, 0, 1 } },
-                         { 3, { 1, 1, 0 } }, { 4, { 0, 1, 1 } }, { 5, { 1, 0, 1 } } } },
-    { "wood", 2, { { .6f, { .666f, .312f, .2f } }, { .6f, { .4f, .1333f, .066f } } } },
-    { "", 2, { { 0, { 0, 0, 0 } }, { 1, { 1, 1, 1 } } } },     /* all others */
-};
-
-static const struct default_map *default_map(const char *pattern)
-{
-    const struct default_map *m = default_maps;
-
-    while (*m->pattern && strcmp(m->pattern, pattern))
-        m++;
-    return m;
-}
-
 /* ---- making ---- */
 
 struct chain chain_of(const struct transform *outer, const struct transform *own, bool from_uv,
@@ -67,7 +27,7 @@ const struct gauge *gauge_new(struct arena *mem, const struct chain *chain,
     float *key = arena_array(mem, n_entry, sizeof *key);
 
     for (size_t i = 0; i < n_entry; i++)
-        key[i] = use->ops && use->ops->n_list ? (float)i : (float)entry[i].value;
+        key[i] = (float)entry[i].value;
     g->chain = *chain;
     g->use = *use;
     g->key = key;
@@ -77,53 +37,37 @@ const struct gauge *gauge_new(struct arena *mem, const struct chain *chain,
 
 static bool is_clear(colour c) { return c.f != 0 || c.t != 0; }
 
-/* The map's own colours, then the pattern's default ones: all of them when
- * none was given, the missing last ones of a list. */
 static void colour_entries(struct paint *q, struct arena *mem, const struct pigment *p,
                            const struct chain *chain)
 {
-    const struct default_map *standard = default_map(p->pattern.ops->name);
-    bool is_list = p->pattern.ops->n_list > 0;
-    size_t n = p->n_entry;
+    colour *c = arena_array(mem, p->n_entry, sizeof *c);
 
-    if (n == 0 || (is_list && n < (size_t)standard->n))
-        n = (size_t)standard->n;
-    colour *c = arena_array(mem, n, sizeof *c);
-    struct map_entry *entry = arena_array(mem, n, sizeof *entry);
-    for (size_t i = 0; i < n; i++) {
-        bool given = i < p->n_entry;
-        rgb d = given ? rgb_of(0, 0, 0) : standard->entry[i].c;
-        entry[i].value = given ? p->entry[i].value : standard->entry[i].key;
-        c[i] = given ? p->entry[i].colour : (colour) { d.r, d.g, d.b, 0, 0 };
+    for (size_t i = 0; i < p->n_entry; i++) {
+        c[i] = p->entry[i].colour;
         q->can_transmit |= is_clear(c[i]);
     }
     q->entry_colour = c;
-    q->gauge = gauge_new(mem, chain, &p->pattern, entry, n);
+    q->gauge = gauge_new(mem, chain, &p->pattern, p->entry, p->n_entry);
 }
 
 static void pigment_entries(struct paint *q, struct arena *mem, const struct pigment *p,
                             const struct chain *chain)
 {
-    size_t n_list = p->pattern.ops ? (size_t)p->pattern.ops->n_list : 0;
-    size_t n = p->n_entry > n_list ? p->n_entry : n_list;
-    struct map_entry *entry = arena_array(mem, n, sizeof *entry);
-    const struct paint **paint = arena_array(mem, n, sizeof *paint);
-    float *weight = arena_array(mem, n, sizeof *weight);
+    const struct paint **paint = arena_array(mem, p->n_entry, sizeof *paint);
+    float *weight = arena_array(mem, p->n_entry, sizeof *weight);
     double total = 0;
 
-    for (size_t i = 0; i < n; i++) {
-        if (i < p->n_entry)
-            entry[i] = p->entry[i];
-        paint[i] = paint_new(mem, i < p->n_entry ? entry[i].pigment : &pigment_default,
-                             &transform_identity);
+    for (size_t i = 0; i < p->n_entry; i++) {
+        paint[i] = paint_new(mem, p->entry[i].pigment, &transform_identity);
         q->can_transmit |= paint[i]->can_transmit;
-        total += (float)entry[i].value;
+        total += (float)p->entry[i].value;
     }
-    for (size_t i = 0; i < n; i++)
-        weight[i] = (float)(total != 0 ? (float)entry[i].value / total : 1.0 / (double)n);
+    for (size_t i = 0; i < p->n_entry; i++)
+        weight[i] = (float)(total != 0 ? (float)p->entry[i].value / total
+                                       : 1.0 / (double)p->n_entry);
     q->entry = paint;
     q->weight = weight;
-    q->gauge = gauge_new(mem, chain, &p->pattern, entry, n);
+    q->gauge = gauge_new(mem, chain, &p->pattern, p->entry, p->n_entry);
 }
 
 const struct paint *paint_new(struct arena *mem, const struct pigment *p,

@@ -1,0 +1,364 @@
+/* check_trace.c: shading, piece by piece. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/vmath.h"
+#include "trace/camera_rays.h"
+#include "trace/film.h"
+#include "trace/insides.h"
+#include "trace/light.h"
+#include "trace/picture.h"
+#include "trace/program.h"
+#include "trace/wave.h"
+
+static struct arena mem;
+
+static void setup(void) { arena_init(&mem, NULL); }
+static void teardown(void) { arena_free(&mem); }
+
+static double random_in(unsigned *seed, double low, double high)
+{
+    return low + (high - low) * (rand_r(seed) / (double)RAND_MAX);
+}
+
+/* ---- powers ---- */
+
+static double ulps_off(float got, double want)
+{
+    float near = (float)want, next = nextafterf(near, INFINITY);
+
+    return fabs((double)got - want) / ((double)next - (double)near);
+}
+
+START_TEST(test_powers_are_right_to_two_ulps)
+{
+    enum { N = 1000 };
+    unsigned seed = 1;
+    float x[N], out[N];
+
+    for (int round = 0; round < 200; round++) {
+        float y = (float)exp(random_in(&seed, log(0.01), log(10000)));
+        for (int i = 0; i < N; i++)
+            x[i] = (float)(1 - pow(random_in(&seed, 0, 1), 6));
+        vmath_pow(N, x, y, out);
+        for (int i = 0; i < N; i++) {
+            double want = pow((double)x[i], (double)y);
+            if (want > 1e-37)
+                ck_assert_double_le(ulps_off(out[i], want), 2);
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_powers_of_nothing_are_nothing)
+{
+    const float x[] = { 0, -1, -0.f, 1, 2, 1e-40f };
+    float out[6];
+
+    vmath_pow(6, x, 40, out);
+    ck_assert(out[0] == 0 && out[1] == 0 && out[2] == 0 && out[3] == 1 && out[5] == 0);
+    ck_assert(out[4] == 1099511627776.f);
+}
+END_TEST
+
+/* ---- cameras ---- */
+
+static struct camera plain_camera(enum camera_kind kind)
+{
+    return (struct camera) { .kind = kind, .direction = { 0, 0, 1 }, .right = { 1.5, 0, 0 },
+                             .up = { 0, 1, 0 }, .angle = M_PI / 2, .h_angle = 2 * M_PI,
+                             .v_angle = M_PI };
+}
+
+START_TEST(test_perspective_looks_through_the_picture_plane)
+{
+    struct camera c = plain_camera(CAMERA_PERSPECTIVE);
+    struct lens l = lens_of(&c);
+    struct ray r;
+
+    ck_assert(lens_ray(&l, 1, 0, &r));
+    vec3 want = vec_unit(vec(0.75, 0.5, 1));
+    ck_assert_double_lt(vec_length(vec_sub(r.dir, want)), 1e-15);
+    ck_assert(l.fixed_origin);
+}
+END_TEST
+
+START_TEST(test_rays_of_every_camera_have_unit_length)
+{
+    unsigned seed = 2;
+
+    for (int kind = CAMERA_PERSPECTIVE; kind <= CAMERA_SPHERICAL; kind++) {
+        struct camera c = plain_camera((enum camera_kind)kind);
+        struct lens l = lens_of(&c);
+        for (int i = 0; i < 1000; i++) {
+            struct ray r;
+            if (lens_ray(&l, random_in(&seed, 0, 1), random_in(&seed, 0, 1), &r))
+                ck_assert_double_lt(fabs(vec_length(r.dir) - 1), 1e-14);
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_a_fisheye_sees_nothing_outside_its_circle)
+{
+    struct camera c = plain_camera(CAMERA_FISHEYE);
+    c.right = vec(1, 0, 0);
+    struct lens l = lens_of(&c);
+    struct ray r;
+
+    ck_assert(!lens_ray(&l, 0.01, 0.01, &r));
+    ck_assert(lens_ray(&l, 0.5, 0.5, &r));
+    ck_assert_double_lt(vec_length(vec_sub(r.dir, vec(0, 0, 1))), 1e-15);
+}
+END_TEST
+
+START_TEST(test_a_spherical_camera_looks_up_at_the_top_and_back_at_the_side)
+{
+    struct camera c = plain_camera(CAMERA_SPHERICAL);
+    c.right = vec(1, 0, 0);
+    struct lens l = lens_of(&c);
+    struct ray r;
+
+    lens_ray(&l, 0.5, 0, &r);
+    ck_assert_double_lt(vec_length(vec_sub(r.dir, vec(0, 1, 0))), 1e-14);
+    lens_ray(&l, 0.75, 0.5, &r);
+    ck_assert_double_lt(vec_length(vec_sub(r.dir, vec(1, 0, 0))), 1e-14);
+}
+END_TEST
+
+/* ---- maps ---- */
+
+static void value_is_x(const void *self, int n, const double *x, const double *y, const double *z,
+                       double *value)
+{
+    (void)self, (void)y, (void)z;
+    memcpy(value, x, (size_t)n * sizeof *value);
+}
+
+static const struct pattern_ops along_x = { .name = "x", .values = value_is_x };
+
+static colour colour_by_map(const struct map_entry *entry, size_t n, double value)
+{
+    struct pigment p = pigment_default;
+    double zero = 0;
+    struct colours c;
+
+    p.kind = PIGMENT_COLOUR_MAP;
+    p.pattern.ops = &along_x;
+    p.entry = (struct map_entry *)entry;
+    p.n_entry = n;
+    p.place = transform_identity;
+    const struct paint *paint = paint_new(&mem, &p, &transform_identity);
+    paint_colours(paint, &(struct spots) { 1, &value, &zero, &zero, &zero, &zero }, &c);
+    return (colour) { c.r[0], c.g[0], c.b[0], c.f[0], c.t[0] };
+}
+
+START_TEST(test_equal_keys_are_a_jump_and_the_first_holds_at_the_key)
+{
+    const struct map_entry e[] = { { .value = 0, .colour = { .r = 0 } },
+                                   { .value = 0.5, .colour = { .r = 1 } },
+                                   { .value = 0.5, .colour = { .r = 5 } },
+                                   { .value = 1, .colour = { .r = 6 } } };
+
+    ck_assert(colour_by_map(e, 4, 0.25).r == 0.5f);
+    ck_assert(colour_by_map(e, 4, 0.5).r == 1);
+    ck_assert_float_ge(colour_by_map(e, 4, 0.5000001).r, 5);
+    ck_assert(colour_by_map(e, 4, 1).r == 6);
+}
+END_TEST
+
+START_TEST(test_keys_are_single_precision)
+{
+    const struct map_entry e[] = { { .value = 0.4, .colour = { .r = 1 } },
+                                   { .value = 0.4, .colour = { .r = 2 } } };
+
+    ck_assert(colour_by_map(e, 2, 0.4).r == 1);         /* below the float next to 0.4 */
+    ck_assert(colour_by_map(e, 2, (double)0.4f).r == 2);
+}
+END_TEST
+
+/* ---- pictures ---- */
+
+static struct image *two_by_two(void)
+{
+    struct image *m = arena_alloc(&mem, sizeof *m);
+
+    *m = (struct image) { 2, 2, arena_array(&mem, 4, sizeof(colour)), false };
+    for (int i = 0; i < 4; i++)
+        m->pixel[i].r = (float)(i + 1);                 /* 1 2 above 3 4 */
+    return m;
+}
+
+START_TEST(test_a_picture_has_its_first_row_on_top_and_repeats)
+{
+    struct image_use use = { .image = two_by_two() };
+
+    ck_assert(picture_colour(&use, vec(0.1, 0.9, 7)).r == 1);
+    ck_assert(picture_colour(&use, vec(0.9, 0.1, 0)).r == 4);
+    ck_assert(picture_colour(&use, vec(-0.1, 0.1, 0)).r == 4);
+    ck_assert(picture_colour(&use, vec(3.1, -0.9, 0)).r == 3);
+}
+END_TEST
+
+START_TEST(test_once_is_clear_outside)
+{
+    struct image_use use = { .image = two_by_two(), .once = true };
+
+    ck_assert(picture_colour(&use, vec(1.1, 0.5, 0)).t == 1);
+    ck_assert(picture_colour(&use, vec(0.6, 0.6, 0)).r == 2);
+}
+END_TEST
+
+START_TEST(test_interpolation_in_the_middle_is_the_mean)
+{
+    struct image_use use = { .image = two_by_two(), .interpolate = INTERPOLATE_BILINEAR };
+
+    ck_assert_float_eq_tol(picture_colour(&use, vec(0.5, 0.5, 0)).r, 2.5f, 1e-6f);
+    use.interpolate = INTERPOLATE_BICUBIC;
+    ck_assert_float_eq_tol(picture_colour(&use, vec(0.5, 0.5, 0)).r, 2.5f, 1e-6f);
+    use.interpolate = INTERPOLATE_DISTANCE;
+    ck_assert_float_eq_tol(picture_colour(&use, vec(0.5, 0.5, 0)).r, 2.5f, 1e-6f);
+}
+END_TEST
+
+/* ---- lamps ---- */
+
+static float share_at(const struct light *l, vec3 p, struct beams *b)
+{
+    struct lamp lamp = lamp_of(l);
+
+    lamp_beams(&lamp, 1, &p.x, &p.y, &p.z, b);
+    return b->share[0];
+}
+
+START_TEST(test_a_fading_light_has_its_strength_at_its_distance)
+{
+    struct light l = light_default;
+    struct beams b;
+
+    l.fade_distance = 3;
+    l.fade_power = 2;
+    ck_assert_float_eq_tol(share_at(&l, vec(0, 3, 0), &b), 1, 1e-6f);
+    ck_assert_float_eq_tol(share_at(&l, vec(0, 6, 0), &b), 0.4f, 1e-6f);
+    ck_assert_double_eq(b.far[0], 6);
+    ck_assert_double_eq(b.dy[0], -1);
+}
+END_TEST
+
+START_TEST(test_a_spotlight_is_dark_outside_its_cone)
+{
+    struct light l = light_default;
+    struct beams b;
+
+    l.kind = LIGHT_SPOT;
+    l.radius = 30;
+    l.falloff = 45;
+    ck_assert(share_at(&l, vec(0, 0, 5), &b) == 1);
+    ck_assert(share_at(&l, vec(6, 0, 5), &b) == 0);
+    ck_assert(share_at(&l, vec(0, 0, -5), &b) == 0);
+    float edge = share_at(&l, vec(5 * tan(37 * M_PI / 180), 0, 5), &b);
+    ck_assert(edge > 0.2f && edge < 0.8f);
+}
+END_TEST
+
+START_TEST(test_parallel_light_comes_from_one_side)
+{
+    struct light l = light_default;
+    struct beams b;
+
+    l.parallel = true;
+    l.centre = vec(0, 10, 0);
+    l.point_at = vec(0, 0, 0);
+    ck_assert(share_at(&l, vec(500, 4, -3), &b) == 1);
+    ck_assert_double_eq(b.dy[0], 1);
+    ck_assert_double_eq(b.far[0], 6);
+}
+END_TEST
+
+/* ---- film, interiors, waves ---- */
+
+START_TEST(test_a_power_is_taken_of_the_whole_sum)
+{
+    struct film f = { 0 };
+
+    film_start(&f, 2);
+    uint32_t outer = film_branch(&f, 1, rgb_of(0.5f, 1, 1), 0.5f);
+    uint32_t inner = film_branch(&f, outer, rgb_of(1, 1, 1), 2);
+    film_add(&f, inner, rgb_of(1, 0, 0));
+    film_add(&f, inner, rgb_of(2, 0, 0));
+    film_add(&f, outer, rgb_of(7, 0, 0));
+    film_settle(&f);
+    ck_assert_double_eq_tol(f.sum[1][0], 0.5 * sqrt(7 + 9), 1e-12);
+    ck_assert_double_eq(f.sum[0][0], 0);
+    film_release(&f);
+}
+END_TEST
+
+START_TEST(test_leaving_from_the_middle_keeps_the_others)
+{
+    struct surface a = { .solid = "a" }, b = { .solid = "b" }, c = { .solid = "c" };
+    struct insides in;
+
+    insides_init(&in);
+    uint32_t list = insides_enter(&in, 0, &a, 1);
+    list = insides_enter(&in, list, &b, 2);
+    list = insides_enter(&in, list, &c, 3);
+    uint32_t less = insides_leave(&in, list, &b, 2);
+    ck_assert(insides_holds(&in, list, &b, 2) && !insides_holds(&in, less, &b, 2));
+    ck_assert(insides_holds(&in, less, &a, 1) && !insides_holds(&in, less, &a, 2));
+    ck_assert(in.item[less].surface == &c);
+    ck_assert(in.item[in.item[less].before].surface == &a);
+    insides_release(&in);
+}
+END_TEST
+
+START_TEST(test_a_wave_keeps_what_was_pushed)
+{
+    struct wave w = { 0 };
+
+    for (int i = 0; i < 1000; i++)
+        wave_push(&w, &(struct wave_ray) { .ray = { { i, 1, 2 }, { 0, 0, 1 } },
+                                           .pixel = (uint32_t)i, .depth = (uint16_t)(i % 7) });
+    ck_assert_int_eq(w.n, 1000);
+    ck_assert(w.x[999] == 999 && w.pixel[500] == 500 && w.depth[13] == 6);
+    wave_release(&w);
+}
+END_TEST
+
+static void add_tests(TCase *c)
+{
+    tcase_add_test(c, test_powers_are_right_to_two_ulps);
+    tcase_add_test(c, test_powers_of_nothing_are_nothing);
+    tcase_add_test(c, test_perspective_looks_through_the_picture_plane);
+    tcase_add_test(c, test_rays_of_every_camera_have_unit_length);
+    tcase_add_test(c, test_a_fisheye_sees_nothing_outside_its_circle);
+    tcase_add_test(c, test_a_spherical_camera_looks_up_at_the_top_and_back_at_the_side);
+    tcase_add_test(c, test_equal_keys_are_a_jump_and_the_first_holds_at_the_key);
+    tcase_add_test(c, test_keys_are_single_precision);
+    tcase_add_test(c, test_a_picture_has_its_first_row_on_top_and_repeats);
+    tcase_add_test(c, test_once_is_clear_outside);
+    tcase_add_test(c, test_interpolation_in_the_middle_is_the_mean);
+    tcase_add_test(c, test_a_fading_light_has_its_strength_at_its_distance);
+    tcase_add_test(c, test_a_spotlight_is_dark_outside_its_cone);
+    tcase_add_test(c, test_parallel_light_comes_from_one_side);
+    tcase_add_test(c, test_a_power_is_taken_of_the_whole_sum);
+    tcase_add_test(c, test_leaving_from_the_middle_keeps_the_others);
+    tcase_add_test(c, test_a_wave_keeps_what_was_pushed);
+}
+
+int main(void)
+{
+    Suite *s = suite_create("trace");
+    TCase *c = tcase_create("shading");
+    SRunner *r = srunner_create(s);
+
+    tcase_add_checked_fixture(c, setup, teardown);
+    add_tests(c);
+    suite_add_tcase(s, c);
+    srunner_run_all(r, CK_NORMAL);
+    int failed = srunner_ntests_failed(r);
+    srunner_free(r);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
