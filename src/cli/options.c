@@ -1,13 +1,12 @@
 /* options.c: rtc's own options, a row each. */
 #include "cli/options.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/name.h"
 #include "cli/version.h"

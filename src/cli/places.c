@@ -2,19 +2,22 @@
 #include "cli/places.h"
 
 #include <config.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+/* POV-Ray's own files first: they have more in them than ours. */
 static const char *const installed[] = {
-    PKGDATADIR "/include",
     "/usr/share/povray-3.7/include",
     "/usr/local/share/povray-3.7/include",
     "/usr/share/povray/include",
     "/usr/local/share/povray/include",
     "/opt/homebrew/share/povray-3.7/include",
     "/opt/local/share/povray-3.7/include",
+    PKGDATADIR "/include",
 };
 enum { N_INSTALLED = sizeof installed / sizeof *installed };
 
@@ -33,12 +36,6 @@ const char *places_installed(unsigned n)
     return NULL;
 }
 
-void places_library(struct options *o)
-{
-    for (unsigned n = 0; places_installed(n); n++)
-        list_add(o, &o->library, places_installed(n));
-}
-
 const char *places_folder(struct arena *mem, const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -46,6 +43,29 @@ const char *places_folder(struct arena *mem, const char *path)
     if (!slash)
         return ".";
     return arena_text(mem, path, slash == path ? 1 : (size_t)(slash - path));
+}
+
+/* Of a program that was not installed: build/rtc has ../include. */
+static const char *beside_program(struct arena *mem)
+{
+    char self[PATH_MAX];
+    ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+
+    if (n <= 0)
+        return NULL;
+    self[n] = '\0';
+    const char *folder = arena_format(mem, "%s/../include", places_folder(mem, self));
+    return access(arena_format(mem, "%s/colors.inc", folder), R_OK) == 0 ? folder : NULL;
+}
+
+void places_library(struct options *o)
+{
+    const char *own = beside_program(o->mem);
+
+    for (unsigned n = 0; places_installed(n); n++)
+        list_add(o, &o->library, places_installed(n));
+    if (own)
+        list_add(o, &o->library, own);
 }
 
 /* The scene's name without folder and extension. */
