@@ -37,6 +37,8 @@ static double sample(const char *what, const char *with, vec3 p)
     sscanf(with, "generator=%d octaves=%d lambda=%lf omega=%lf", &generator, &octaves, &lambda,
            &omega);
     sscanf(with, "component=%c octaves=%d lambda=%lf omega=%lf", &axis, &octaves, &lambda, &omega);
+    lambda = (double)(float)lambda;     /* as POV-Ray keeps them */
+    omega = (double)(float)omega;
     if (strcmp(what, "noise") == 0)
         return noise_at(generator, p);
     if (strcmp(what, "turbulence") == 0)
