@@ -1,0 +1,676 @@
+/* flatten.c: from the tree of objects that the user wrote to leaves, CSG
+ * roots, instances, and trees of boxes over them. */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "trace/share.h"
+#include "trace/surface.h"
+#include "trace/world.h"
+
+/* What a node passes down to its children (facts sdl.md 6.3). */
+struct context {
+    const struct placement *placement;  /* of the space that the node stands in; NULL: identity */
+    struct look look;
+    const struct transform *interior_texture_place;
+    unsigned flags;
+    bool inverse;
+    bool is_inherited;                  /* in an instance: leaves take the look of the instance */
+};
+
+struct list { uint32_t *item; size_t n, room; };
+
+/* An instance's space, and for which look and flags it was made. */
+struct made_space {
+    const void *children;
+    unsigned flags;
+    bool inverse, is_inherited;
+    uint32_t space;
+};
+
+struct builder {
+    struct plan *plan;
+    struct geometry *geometry;
+    struct arena scrap;
+    unsigned threads;
+    struct share share;                 /* which children are placed how often */
+    size_t room_leaf, room_instance, room_csg, room_space, n_made, room_made;
+    struct made_space *made;
+    struct list *items;                 /* of the space under construction */
+    uint32_t space;                     /* its number */
+    const struct mesh_tree **mesh_tree;
+    const struct mesh **mesh;
+    size_t n_mesh, room_mesh, room_tree;
+    struct look last_look;
+    uint32_t last_surface;
+    bool has_last;
+    const struct shape_ops *from, *to;  /* the last row that was looked up */
+    size_t n_empty, n_bound, n_cutaway;
+};
+
+/* --- small things ---------------------------------------------------------- */
+
+static void list_add(struct builder *b, struct list *l, uint32_t item)
+{
+    l->item = arena_grow(&b->scrap, l->item, l->n, &l->room, sizeof *l->item);
+    l->item[l->n++] = item;
+}
+
+static bool mat_is_finite(const mat34 *m)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            if (!isfinite(m->m[i][j]))
+                return false;
+    return true;
+}
+
+static bool bounds_are_finite(struct bounds b) { return vec_is_finite(b.low) && vec_is_finite(b.high); }
+
+static bool bounds_are_empty(struct bounds b)
+{
+    return !(b.low.x <= b.high.x && b.low.y <= b.high.y && b.low.z <= b.high.z);
+}
+
+/* The rounding of a point's way through both matrices: their condition
+ * times a few half ulps. */
+static double fuzz_of(const struct transform *t)
+{
+    return mat_norm(&t->to) * mat_norm(&t->from) * 0x1p-52;
+}
+
+/* Inner placed in outer; shared with outer when nothing is added. */
+static const struct placement *placed(struct builder *b, const struct placement *outer,
+                                      const struct transform *inner)
+{
+    if (inner->is_identity)
+        return outer;
+    struct placement *p = arena_alloc(b->plan->mem, sizeof *p);
+    p->place = outer ? transform_compose(&outer->place, inner) : *inner;
+    p->stretch = mat_norm(&p->place.to);
+    p->fuzz = fuzz_of(&p->place);
+    return p;
+}
+
+static const struct transform *transform_of(const struct placement *p)
+{
+    return p ? &p->place : &transform_identity;
+}
+
+/* This build's own row: the engine is compiled for several instruction sets. */
+static const struct shape_ops *own_row(struct builder *b, const struct shape_ops *ops)
+{
+    if (b->from != ops) {
+        b->from = ops;
+        b->to = shape_find(ops->name);
+    }
+    return b->to;
+}
+
+static uint8_t mask_of(unsigned flags)
+{
+    return (flags & OBJECT_NO_IMAGE ? 0 : RAY_PRIMARY)
+           | (flags & OBJECT_NO_REFLECTION ? 0 : RAY_REFLECTED)
+           | (flags & OBJECT_NO_SHADOW ? 0 : RAY_SHADOW);
+}
+
+/* --- looks ----------------------------------------------------------------- */
+
+static unsigned flags_within(const struct context *outer, const struct object *o)
+{
+    return ((outer->flags & ~o->flags_given) | o->flags) & ~(unsigned)OBJECT_INVERSE;
+}
+
+/* What o itself says takes the place of what its parent said.  The texture's
+ * space ends where o stands. */
+static struct context within(struct builder *b, const struct context *outer, const struct object *o)
+{
+    struct context c = *outer;
+
+    c.placement = placed(b, outer->placement, &o->place);
+    c.flags = flags_within(outer, o);
+    c.inverse ^= (o->flags & OBJECT_INVERSE) != 0;
+    if (o->texture) {
+        c.look.texture = o->texture;
+        c.look.place = transform_of(outer->placement);
+        c.look.uv_mapping = (o->flags & OBJECT_UV_MAPPING) != 0;
+        c.is_inherited = false;
+    }
+    if (o->interior_texture) {
+        c.look.interior_texture = o->interior_texture;
+        c.interior_texture_place = transform_of(outer->placement);
+    }
+    if (o->interior) {
+        c.look.interior = o->interior;
+        c.look.solid = o;
+    }
+    b->n_bound += o->n_bound > 0 && o->kind != OBJECT_SHAPE && o->kind != OBJECT_MESH;
+    b->n_cutaway += (o->flags & OBJECT_CUTAWAY_TEXTURES) != 0;
+    return c;
+}
+
+/* An interior texture from another level is moved to the texture's space. */
+static const struct texture *interior_texture_of(struct builder *b, const struct context *c,
+                                                 const struct transform *place)
+{
+    if (!c->look.interior_texture || c->interior_texture_place == place)
+        return c->look.interior_texture;
+    struct transform back = transform_inverse(place);
+    struct transform between = transform_compose(&back, c->interior_texture_place);
+    return texture_move(b->plan->mem, c->look.interior_texture, &between);
+}
+
+static bool looks_equal(const struct look *a, const struct look *b)
+{
+    return a->texture == b->texture && a->interior_texture == b->interior_texture
+           && a->place == b->place && a->interior == b->interior && a->solid == b->solid
+           && a->mesh == b->mesh && a->object_flags == b->object_flags
+           && a->uv_mapping == b->uv_mapping;
+}
+
+static uint32_t surface_for(struct builder *b, const struct context *c, const struct mesh *mesh)
+{
+    struct look look = c->look;
+
+    if (c->is_inherited)
+        return NO_LEAF;
+    if (!look.texture)
+        look.texture = &texture_default;
+    if (!look.place)
+        look.place = &transform_identity;
+    look.interior_texture = interior_texture_of(b, c, look.place);
+    look.object_flags = c->flags;
+    look.double_illuminate = (c->flags & OBJECT_DOUBLE_ILLUMINATE) != 0;
+    look.hollow = (c->flags & OBJECT_HOLLOW) != 0;
+    look.mesh = mesh && mesh->n_texture ? mesh : NULL;
+    if (!b->has_last || !looks_equal(&look, &b->last_look)) {
+        b->last_look = look;
+        b->last_surface = surface_of(b->plan, &look);
+        b->has_last = true;
+    }
+    return b->last_surface;
+}
+
+/* --- leaves ---------------------------------------------------------------- */
+
+/* Looked for from the newest back: copies mostly stand together. */
+static const struct mesh_tree *mesh_of(struct builder *b, const struct mesh *m)
+{
+    for (size_t i = b->n_mesh; i-- > 0;)
+        if (b->mesh[i] == m)
+            return b->mesh_tree[i];
+    b->mesh = arena_grow(&b->scrap, b->mesh, b->n_mesh, &b->room_mesh, sizeof *b->mesh);
+    b->mesh_tree = arena_grow(&b->scrap, b->mesh_tree, b->n_mesh, &b->room_tree,
+                              sizeof *b->mesh_tree);
+    b->mesh[b->n_mesh] = m;
+    b->mesh_tree[b->n_mesh] = mesh_tree_new(m, b->threads, b->plan->mem);
+    return b->mesh_tree[b->n_mesh++];
+}
+
+/* The leaf of a shape or mesh whose context is c; NO_LEAF: there is nothing
+ * to see. */
+static uint32_t add_leaf(struct builder *b, const struct object *o, const struct context *c,
+                         uint32_t csg, bool is_silent)
+{
+    struct plan *p = b->plan;
+    struct leaf l = { .placement = c->placement, .csg = csg, .mask = mask_of(c->flags),
+                      .inverse = c->inverse };
+
+    if (o->kind == OBJECT_MESH) {
+        l.mesh = mesh_of(b, o->mesh);
+    } else {
+        l.ops = own_row(b, o->ops);
+        l.shape = o->shape;
+    }
+    if (!l.shape || (c->placement && (!mat_is_finite(&c->placement->place.to)
+                                      || !mat_is_finite(&c->placement->place.from)))
+        || bounds_are_empty(leaf_bounds(&l))) {
+        b->n_empty++;
+        return NO_LEAF;
+    }
+    l.surface = is_silent ? 0 : surface_for(b, c, o->kind == OBJECT_MESH ? o->mesh : NULL);
+    p->leaf = arena_grow(&b->scrap, p->leaf, p->n_leaf, &b->room_leaf, sizeof *p->leaf);
+    p->leaf[p->n_leaf] = l;
+    return (uint32_t)p->n_leaf++;
+}
+
+/* --- CSG ------------------------------------------------------------------- */
+
+struct csg_builder {
+    struct builder *b;
+    uint32_t number;                    /* of the root */
+    struct csg_node *node;
+    struct csg_part *part;
+    uint32_t *at_rest;
+    size_t n_node, n_part, room_node, room_part, room_rest;
+    struct list everything;             /* parents of parts that were left out and hold every point */
+    struct bounds seen;                 /* of all surfaces */
+    uint32_t surface_leaf;
+};
+
+static uint32_t add_node(struct csg_builder *c, uint32_t parent, enum csg_kind kind)
+{
+    struct arena *mem = &c->b->scrap;
+
+    c->node = arena_grow(mem, c->node, c->n_node, &c->room_node, sizeof *c->node);
+    c->at_rest = arena_grow(mem, c->at_rest, c->n_node, &c->room_rest, sizeof *c->at_rest);
+    c->node[c->n_node] = (struct csg_node) { parent, 0, kind };
+    c->at_rest[c->n_node] = 0;
+    if (parent != NO_LEAF)
+        c->node[parent].n_child++;
+    return (uint32_t)c->n_node++;
+}
+
+static bool is_leaky(const struct leaf *l)
+{
+    if (!l->ops)
+        return !l->mesh->is_closed;
+    return l->ops->is_leaky && l->ops->is_leaky(l->shape);
+}
+
+static bool has_inside(const struct leaf *l)
+{
+    return l->ops ? l->ops->inside != NULL : mesh_has_inside(l->mesh);
+}
+
+static bool has_interior(const struct plan *p, uint32_t leaf)
+{
+    uint32_t surface = p->leaf[leaf].surface;
+
+    return surface != NO_LEAF && p->surface[surface].interior != NULL;
+}
+
+/* Where points may be inside of it. */
+static struct bounds solid_bounds(const struct leaf *l, const struct csg_part *part)
+{
+    bool behind_all = part->is_asked && l->ops && !l->ops->is_solid;     /* a disc */
+
+    return l->inverse || behind_all ? BOUNDS_ALL : leaf_bounds(l);
+}
+
+static struct bounds csg_leaf(struct csg_builder *c, const struct object *o,
+                              const struct context *within_o, uint32_t parent, bool is_silent)
+{
+    struct builder *b = c->b;
+    uint32_t number = add_leaf(b, o, within_o, c->number, is_silent);
+
+    c->node[parent].n_child++;
+    if (number == NO_LEAF) {            /* nothing, or inverted: everything */
+        if (within_o->inverse)
+            list_add(b, &c->everything, parent);
+        return within_o->inverse ? BOUNDS_ALL : BOUNDS_EMPTY;
+    }
+    const struct leaf *l = &b->plan->leaf[number];
+    bool is_solid = l->ops ? l->ops->is_solid : mesh_has_inside(l->mesh);
+    struct bounds bounds = leaf_bounds(l);
+    struct csg_part part = { .leaf = number, .parent = parent, .is_silent = is_silent,
+                             .alternates = is_solid && !is_leaky(l),
+                             .is_infinite = !bounds_are_finite(bounds) };
+    part.is_asked = !part.alternates && has_inside(l);
+    c->part = arena_grow(&b->scrap, c->part, c->n_part, &c->room_part, sizeof *c->part);
+    c->part[c->n_part++] = part;
+    if (!is_silent) {
+        c->seen = bounds_join(c->seen, bounds);
+        if (c->surface_leaf == NO_LEAF
+            || (!has_interior(b->plan, c->surface_leaf) && has_interior(b->plan, number)))
+            c->surface_leaf = number;
+    }
+    return solid_bounds(l, &part);
+}
+
+static struct bounds csg_object(struct csg_builder *c, const struct object *o,
+                                const struct context *outer, uint32_t parent, bool is_silent);
+
+static enum csg_kind kind_of(const struct object *o, bool inverse)
+{
+    if (o->kind == OBJECT_UNION || o->kind == OBJECT_MERGE)
+        return inverse ? CSG_INTERSECTION : o->kind == OBJECT_UNION ? CSG_UNION : CSG_MERGE;
+    return inverse ? CSG_MERGE : CSG_INTERSECTION;
+}
+
+static struct bounds csg_children(struct csg_builder *c, const struct object *o,
+                                  const struct context *within_o, uint32_t parent, bool is_silent)
+{
+    enum csg_kind kind = kind_of(o, within_o->inverse);
+    uint32_t node = add_node(c, parent, kind);
+    bool meet = kind == CSG_INTERSECTION;
+    struct bounds all = meet ? BOUNDS_ALL : BOUNDS_EMPTY;
+
+    for (size_t i = 0; i < o->n_child; i++) {
+        struct context child = *within_o;
+        child.inverse ^= o->kind == OBJECT_DIFFERENCE && i > 0;
+        if (o->child[i]->kind == OBJECT_LIGHT)
+            continue;
+        struct bounds one = csg_object(c, o->child[i], &child, node, is_silent);
+        all = meet ? bounds_meet(all, one) : bounds_join(all, one);
+    }
+    if (c->node[node].n_child == 0) {   /* nothing in nothing */
+        c->node[node].kind = CSG_UNION;
+        return BOUNDS_EMPTY;
+    }
+    return all;
+}
+
+/* A clip is cut with, and shows no surface; inversion does not reach it. */
+static struct bounds csg_clipped(struct csg_builder *c, const struct object *o,
+                                 const struct context *outer, uint32_t parent, bool is_silent)
+{
+    uint32_t node = add_node(c, parent, CSG_INTERSECTION);
+    struct object bare = *o;
+    struct context clip = *outer;
+
+    bare.n_clip = 0;
+    clip.inverse = false;
+    struct bounds all = csg_object(c, &bare, outer, node, is_silent);
+    for (size_t i = 0; i < o->n_clip; i++)
+        all = bounds_meet(all, csg_object(c, o->clip[i], &clip, node, true));
+    return all;
+}
+
+static struct bounds csg_object(struct csg_builder *c, const struct object *o,
+                                const struct context *outer, uint32_t parent, bool is_silent)
+{
+    if (o->n_clip)
+        return csg_clipped(c, o, outer, parent, is_silent);
+    struct context in = within(c->b, outer, o);
+    if (o->kind == OBJECT_SHAPE || o->kind == OBJECT_MESH)
+        return csg_leaf(c, o, &in, parent, is_silent);
+    return csg_children(c, o, &in, parent, is_silent);
+}
+
+/* Far off, a finite solid that was inverted contains everything. */
+static void settle_at_rest(struct csg_builder *c)
+{
+    for (size_t i = 0; i < c->n_part; i++) {
+        const struct csg_part *part = &c->part[i];
+        if (part->alternates && !part->is_infinite && c->b->plan->leaf[part->leaf].inverse)
+            csg_count(c->node, c->at_rest, part->parent, 1);
+    }
+    for (size_t i = 0; i < c->everything.n; i++)
+        csg_count(c->node, c->at_rest, c->everything.item[i], 1);
+}
+
+static void add_csg(struct builder *b, const struct object *o, const struct context *outer)
+{
+    struct geometry *g = b->geometry;
+    size_t first_leaf = b->plan->n_leaf;
+    struct csg_builder c = { .b = b, .number = (uint32_t)g->n_csg, .seen = BOUNDS_EMPTY,
+                             .surface_leaf = NO_LEAF };
+    struct arena *mem = b->plan->mem;
+
+    /* The node above the root keeps every part's parent a node. */
+    uint32_t top = add_node(&c, NO_LEAF, CSG_UNION);
+    struct bounds bounds = bounds_meet(csg_object(&c, o, outer, top, false), c.seen);
+    if (c.surface_leaf == NO_LEAF || bounds_are_empty(bounds)) {
+        b->plan->n_leaf = first_leaf;
+        b->n_empty++;
+        return;
+    }
+    settle_at_rest(&c);
+    g->csg = arena_grow(&b->scrap, g->csg, g->n_csg, &b->room_csg, sizeof *g->csg);
+    g->csg[g->n_csg] = (struct csg) {
+        .bounds = bounds, .n_node = c.n_node, .n_part = c.n_part,
+        .node = arena_copy(mem, c.node, c.n_node * sizeof *c.node),
+        .part = arena_copy(mem, c.part, c.n_part * sizeof *c.part),
+        .at_rest = arena_copy(mem, c.at_rest, c.n_node * sizeof *c.at_rest),
+        .surface_leaf = c.surface_leaf, .mask = mask_of(flags_within(outer, o)) };
+    list_add(b, b->items, item_of(ITEM_CSG, (uint32_t)g->n_csg++));
+}
+
+/* --- instances ------------------------------------------------------------- */
+
+static void add_object(struct builder *b, const struct object *o, const struct context *outer);
+static uint32_t new_space(struct builder *b);
+static void finish_space(struct builder *b, uint32_t number, const struct list *items);
+
+static void add_children(struct builder *b, const struct object *o, const struct context *c)
+{
+    for (size_t i = 0; i < o->n_child; i++)
+        add_object(b, o->child[i], c);
+}
+
+/* The children's space for this look and these flags, made when new. */
+static uint32_t space_for(struct builder *b, const struct object *o, const struct context *c)
+{
+    for (size_t i = b->n_made; i-- > 0;) {
+        const struct made_space *m = &b->made[i];
+        if (m->children == o->child && m->flags == c->flags && m->inverse == c->inverse
+            && m->is_inherited == c->is_inherited)
+            return m->space;
+    }
+    struct list items = { 0 }, *outer_items = b->items;
+    uint32_t outer_space = b->space;
+    b->items = &items;
+    b->space = new_space(b);
+    struct made_space made = { o->child, c->flags, c->inverse, c->is_inherited, b->space };
+    struct context in = *c;
+    in.placement = NULL;
+    add_children(b, o, &in);
+    finish_space(b, b->space, &items);
+    b->items = outer_items;
+    b->space = outer_space;
+    b->made = arena_grow(&b->scrap, b->made, b->n_made, &b->room_made, sizeof *b->made);
+    b->made[b->n_made++] = made;
+    return made.space;
+}
+
+/* Children that all inherit their look get it from the instance; if none
+ * inherits anything there is nothing to do; a mixture is not shared. */
+static bool can_be_shared(const struct shared *s, const struct context *c, bool *inherits)
+{
+    bool needs = (c->look.texture && s->lacks_texture)
+                 || (c->look.interior_texture && s->lacks_interior_texture)
+                 || (c->look.interior && s->lacks_interior);
+
+    *inherits = needs;
+    return !needs || !s->has_look;
+}
+
+static bool add_instance(struct builder *b, const struct object *o, const struct context *c)
+{
+    struct plan *p = b->plan;
+    const struct shared *shared = b->space == 0 ? share_find(&b->share, o) : NULL;
+    bool inherits;
+
+    if (!shared || !share_is_worth_it(shared) || !can_be_shared(shared, c, &inherits))
+        return false;
+    struct context in = *c;
+    uint32_t surface = inherits ? surface_for(b, c, NULL) : NO_LEAF;
+    in.is_inherited = inherits;
+    uint32_t root = space_for(b, o, &in);
+    struct instance one = { *transform_of(c->placement), 1, 0, root, surface, mask_of(c->flags) };
+    one.stretch = mat_norm(&one.place.to);
+    one.fuzz = fuzz_of(&one.place);
+    p->instance = arena_grow(&b->scrap, p->instance, p->n_instance, &b->room_instance,
+                             sizeof *p->instance);
+    p->instance[p->n_instance] = one;
+    list_add(b, b->items, item_of(ITEM_INSTANCE, (uint32_t)p->n_instance++));
+    return true;
+}
+
+/* --- objects --------------------------------------------------------------- */
+
+static bool is_csg(const struct object *o)
+{
+    return o->n_clip > 0 || o->kind == OBJECT_INTERSECTION || o->kind == OBJECT_DIFFERENCE
+           || o->kind == OBJECT_MERGE;
+}
+
+static void add_object(struct builder *b, const struct object *o, const struct context *outer)
+{
+    if (o->kind == OBJECT_LIGHT)
+        return;
+    if (is_csg(o)) {
+        add_csg(b, o, outer);
+        return;
+    }
+    struct context c = within(b, outer, o);
+    if (o->kind == OBJECT_UNION) {
+        if (!add_instance(b, o, &c))
+            add_children(b, o, &c);
+        return;
+    }
+    uint32_t leaf = add_leaf(b, o, &c, NO_LEAF, false);
+    if (leaf != NO_LEAF)
+        list_add(b, b->items, item_of(ITEM_LEAF, leaf));
+}
+
+/* --- spaces ---------------------------------------------------------------- */
+
+static uint32_t new_space(struct builder *b)
+{
+    struct geometry *g = b->geometry;
+
+    g->space = arena_grow(&b->scrap, g->space, g->n_space, &b->room_space, sizeof *g->space);
+    g->space[g->n_space] = (struct space) { .n_unbounded = 0 };
+    return (uint32_t)g->n_space++;
+}
+
+static struct bounds space_bounds(const struct space *s)
+{
+    if (s->n_unbounded)
+        return BOUNDS_ALL;
+    if (s->tree.n_node == 0)
+        return BOUNDS_EMPTY;
+    vec3 half = vec_scale(s->tree.half, 1 / s->tree.scale);
+    return (struct bounds) { vec_sub(s->tree.middle, half), vec_add(s->tree.middle, half) };
+}
+
+static struct bounds item_bounds(const struct builder *b, uint32_t item)
+{
+    const struct plan *p = b->plan;
+    uint32_t number = item_number(item);
+
+    switch (item_kind(item)) {
+    case ITEM_LEAF: return leaf_bounds(&p->leaf[number]);
+    case ITEM_CSG:  return b->geometry->csg[number].bounds;
+    case ITEM_INSTANCE: break;
+    }
+    const struct instance *i = &p->instance[number];
+    struct bounds in = space_bounds(&b->geometry->space[i->root]);
+    struct bounds out = bounds_move(&in, &i->place);
+    double pad = i->fuzz * fmax(vec_largest(out.low), vec_largest(out.high));
+    vec3 by = vec(pad, pad, pad);
+    return (struct bounds) { vec_sub(out.low, by), vec_add(out.high, by) };
+}
+
+struct bounded { const struct builder *b; const uint32_t *item; };
+
+static struct bounds bounded_bounds(const void *of, size_t i)
+{
+    const struct bounded *l = of;
+    return item_bounds(l->b, l->item[i]);
+}
+
+static void finish_space(struct builder *b, uint32_t number, const struct list *items)
+{
+    enum { ITEMS_A_LEAF = 4 };
+    struct list bounded = { 0 }, unbounded = { 0 };
+    struct space s = { .n_unbounded = 0 };
+
+    for (size_t i = 0; i < items->n; i++) {
+        struct bounds one = item_bounds(b, items->item[i]);
+        if (!bounds_are_empty(one))
+            list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
+    }
+    bvh_build(&s.tree, bounded.n, bounded_bounds, &(struct bounded) { b, bounded.item },
+              ITEMS_A_LEAF, b->threads, b->plan->mem);
+    for (size_t i = 0; i < bounded.n; i++)
+        s.tree.item[i] = bounded.item[s.tree.item[i]];
+    s.n_unbounded = unbounded.n;
+    s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
+    b->geometry->space[number] = s;
+}
+
+/* --- the whole scene ------------------------------------------------------- */
+
+static const struct context top = { .is_inherited = false };
+
+/* The shape of a light lets the light out. */
+static void add_lamps(struct builder *b)
+{
+    const struct scene *s = b->plan->scene;
+
+    for (size_t i = 0; i < s->n_light; i++)
+        if (s->light[i].looks_like) {
+            struct object o = *s->light[i].looks_like;
+            o.flags |= OBJECT_NO_SHADOW;
+            o.flags_given |= OBJECT_NO_SHADOW;
+            add_object(b, &o, &top);
+        }
+}
+
+static bool is_filled(const struct plan *p, const struct geometry *g, uint32_t item)
+{
+    uint32_t number = item_number(item);
+
+    if (item_kind(item) == ITEM_CSG)
+        return p->surface[p->leaf[g->csg[number].surface_leaf].surface].interior != NULL;
+    const struct leaf *l = &p->leaf[number];
+    return has_inside(l) && p->surface[l->surface].interior != NULL;
+}
+
+static void find_filled(struct builder *b, const struct list *items)
+{
+    struct list filled = { 0 };
+
+    for (size_t i = 0; i < items->n; i++)
+        if (item_kind(items->item[i]) != ITEM_INSTANCE
+            && is_filled(b->plan, b->geometry, items->item[i]))
+            list_add(b, &filled, items->item[i]);
+    b->geometry->n_filled = filled.n;
+    b->geometry->filled = arena_copy(b->plan->mem, filled.item, filled.n * sizeof *filled.item);
+}
+
+/* What grew in scrap moves to the plan; the CSG roots learn where the leaves
+ * ended up. */
+static void settle(struct builder *b)
+{
+    struct plan *p = b->plan;
+    struct geometry *g = b->geometry;
+
+    p->leaf = arena_copy(p->mem, p->leaf, p->n_leaf * sizeof *p->leaf);
+    p->instance = arena_copy(p->mem, p->instance, p->n_instance * sizeof *p->instance);
+    g->csg = arena_copy(p->mem, g->csg, g->n_csg * sizeof *g->csg);
+    for (size_t i = 0; i < g->n_csg; i++) {
+        g->csg[i].leaf = p->leaf;
+        csg_finish(&g->csg[i], p->mem);
+    }
+}
+
+static void note_what_is_left_out(const struct builder *b)
+{
+    struct plan *p = b->plan;
+
+    if (b->n_empty)
+        plan_note(p, "%zu empty shapes are left out", b->n_empty);
+    if (b->n_bound)
+        plan_note(p, "bounded_by is not needed and left out (%zu objects)", b->n_bound);
+    if (b->n_cutaway)
+        plan_note(p, "cutaway_textures is not supported: cut surfaces look as usual (%zu objects)",
+                  b->n_cutaway);
+}
+
+void geometry_build(struct plan *p, unsigned threads)
+{
+    struct builder b = { .plan = p, .threads = threads };
+    const struct scene *s = p->scene;
+    struct list items = { 0 };
+
+    arena_init(&b.scrap, p->mem->budget);
+    b.geometry = arena_alloc(p->mem, sizeof *b.geometry);
+    p->geometry = b.geometry;
+    share_init(&b.share, (const struct object *const *)s->object, s->n_object, &b.scrap);
+    b.items = &items;
+    b.space = new_space(&b);
+    for (size_t i = 0; i < s->n_object; i++)
+        add_object(&b, s->object[i], &top);
+    add_lamps(&b);
+    finish_space(&b, 0, &items);
+    find_filled(&b, &items);
+    settle(&b);
+    b.geometry->space = arena_copy(p->mem, b.geometry->space,
+                                   b.geometry->n_space * sizeof *b.geometry->space);
+    note_what_is_left_out(&b);
+    arena_free(&b.scrap);
+}

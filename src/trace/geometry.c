@@ -1,0 +1,539 @@
+/* geometry.c: rays against everything. */
+#include "trace/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "trace/world.h"
+
+enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found by looking again */
+
+/* What stood in a light's way last time, to be asked first. */
+struct blocker {
+    uint32_t item, instance;
+    bool is_known;
+};
+
+struct scratch {
+    const struct plan *plan;
+    struct csg_scratch csg;
+    struct geometry_counts counts;
+    struct blocker *blocker;            /* a light */
+    size_t n_blocker;
+    struct meeting crossing[MOST_CROSSINGS];
+};
+
+struct scratch *scratch_new(const struct plan *p, struct arena *mem)
+{
+    struct scratch *s = arena_alloc(mem, sizeof *s);
+
+    s->plan = p;
+    csg_scratch_init(&s->csg, p->geometry->csg, p->geometry->n_csg, mem);
+    s->csg.box_tests = &s->counts.box_tests;
+    s->n_blocker = p->n_light;
+    s->blocker = arena_array(mem, p->n_light + 1, sizeof *s->blocker);
+    return s;
+}
+
+struct geometry_counts scratch_counts(const struct scratch *s) { return s->counts; }
+
+/* --- leaves ---------------------------------------------------------------- */
+
+vec3 leaf_normal(const struct leaf *l, struct ray ray, const struct hit *h)
+{
+    vec3 n = l->ops ? l->ops->normal(l->shape, ray_at(ray, h->t), h) : mesh_normal(l->mesh, h);
+
+    if (l->placement)
+        n = mat_normal(&l->placement->place.from, n);
+    return l->inverse ? vec_neg(n) : n;
+}
+
+/* A patch without an inside has none when inverted, either. */
+bool leaf_inside(const struct leaf *l, vec3 p)
+{
+    if (l->placement)
+        p = mat_point(&l->placement->place.from, p);
+    if (l->ops)
+        return l->ops->inside && l->ops->inside(l->shape, p) != l->inverse;
+    return mesh_has_inside(l->mesh) && mesh_inside(l->mesh, p) != l->inverse;
+}
+
+struct bounds leaf_bounds(const struct leaf *l)
+{
+    struct bounds b = l->ops ? l->ops->bounds(l->shape) : l->mesh->bounds;
+
+    if (!l->placement)
+        return b;
+    b = bounds_move(&b, &l->placement->place);
+    double pad = l->placement->fuzz * fmax(vec_largest(b.low), vec_largest(b.high));
+    vec3 by = vec(pad, pad, pad);
+    return (struct bounds) { vec_sub(b.low, by), vec_add(b.high, by) };
+}
+
+static bool nearest_by_hits(const struct leaf *l, struct ray ray, double near, double far,
+                            struct hit *out)
+{
+    struct hit hit[SHAPE_MOST_HITS];
+    int n = l->ops->hits(l->shape, ray, hit);
+
+    for (int i = 0; i < n; i++)
+        if (hit[i].t > near && hit[i].t < far) {
+            *out = hit[i];
+            return true;
+        }
+    return false;
+}
+
+INLINE bool leaf_nearest(const struct leaf *l, struct scratch *s, struct ray ray, double near,
+                         double far, struct hit *out)
+{
+    s->counts.leaf_tests++;
+    ray = leaf_ray(l, ray);
+    if (UNLIKELY(!l->ops))
+        return mesh_nearest(l->mesh, ray, near, far, out, &s->counts.box_tests);
+    if (LIKELY(l->ops->nearest != NULL))
+        return l->ops->nearest(l->shape, ray, near, far, out);
+    return nearest_by_hits(l, ray, near, far, out);
+}
+
+/* --- one search through a space and the instances in it -------------------- */
+
+struct search {
+    const struct plan *plan;
+    struct scratch *s;
+    struct ray ray;                     /* in the space */
+    uint32_t instance;
+    uint8_t mask;
+    double far;                         /* all of it: t < far */
+    struct meeting *best;               /* its t is the far that is left */
+    /* for crossings only */
+    double after_t;
+    uint64_t after;                     /* rank of the last one that was visited */
+    size_t n_crossing;
+    bool is_full;
+};
+
+static uint32_t surface_of_leaf(const struct search *s, const struct leaf *l)
+{
+    return l->surface != NO_LEAF ? l->surface : s->plan->instance[s->instance].surface;
+}
+
+static bool is_opaque(const struct search *s, const struct leaf *l)
+{
+    return s->plan->surface[surface_of_leaf(s, l)].is_opaque;
+}
+
+/* A number that orders meetings of equal t: the world before instances,
+ * first listed first. */
+static uint64_t rank(uint32_t instance, uint32_t leaf)
+{
+    return (uint64_t)(instance + 1) << 32 | leaf;
+}
+
+/* The items of a space: those of the tree on the way, and the unbounded. */
+typedef bool visit_items(void *arg, const uint32_t item[], uint32_t count, double *far);
+
+INLINE bool search_space(struct search *s, const struct space *space, visit_items *visit)
+{
+    double far = s->far;
+
+    if (space->n_unbounded
+        && visit(s, space->unbounded, (uint32_t)space->n_unbounded, &far))
+        return true;
+    return bvh_walk(&space->tree, s->ray, 0, far, visit, s, &s->s->counts.box_tests);
+}
+
+static struct search search_instance(const struct search *s, uint32_t number)
+{
+    const struct instance *i = &s->plan->instance[number];
+    struct search in = *s;
+
+    in.ray = placed_ray(&i->place, s->ray);
+    in.instance = number;
+    return in;
+}
+
+static const struct space *instance_space(const struct search *s, uint32_t number)
+{
+    return &s->plan->geometry->space[s->plan->instance[number].root];
+}
+
+/* --- nearest --------------------------------------------------------------- */
+
+/* Of equal t the first listed wins, whatever the order of the visits; so a
+ * search goes up to the next number after the best t. */
+static bool is_better(const struct search *s, double t, uint32_t leaf)
+{
+    const struct meeting *b = s->best;
+
+    if (b->leaf == NO_LEAF || t != b->t)
+        return t < b->t;
+    return rank(s->instance, leaf) < rank(b->instance, b->leaf);
+}
+
+static void take(struct search *s, const struct hit *h, uint32_t leaf, bool flipped)
+{
+    *s->best = (struct meeting) { h->t, *h, leaf, s->instance, flipped };
+    s->far = nextafter(h->t, INFINITY);
+}
+
+INLINE void meet_leaf(struct search *s, uint32_t number)
+{
+    const struct leaf *l = &s->plan->leaf[number];
+    struct hit h;
+
+    if ((l->mask & s->mask) && leaf_nearest(l, s->s, s->ray, 0, s->far, &h)
+        && is_better(s, h.t, number))
+        take(s, &h, number, l->inverse);
+}
+
+struct csg_search { struct search *search; const struct csg *csg; };
+
+static bool take_event(void *arg, const struct csg_event *e)
+{
+    struct csg_search *c = arg;
+    uint32_t leaf = c->csg->part[e->part].leaf;
+
+    if (is_better(c->search, e->hit.t, leaf))
+        take(c->search, &e->hit, leaf, c->search->plan->leaf[leaf].inverse);
+    return true;
+}
+
+static void meet_csg(struct search *s, uint32_t number)
+{
+    const struct csg *c = &s->plan->geometry->csg[number];
+
+    s->s->counts.csg_tests++;
+    if (c->mask & s->mask)
+        csg_sweep(c, &s->s->csg, s->ray, s->far, take_event, &(struct csg_search) { s, c });
+}
+
+static void meet_instance(struct search *s, uint32_t number);
+
+INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t number = item_number(item[i]);
+        switch (item_kind(item[i])) {
+        case ITEM_LEAF:     meet_leaf(s, number); break;
+        case ITEM_CSG:      meet_csg(s, number); break;
+        case ITEM_INSTANCE: meet_instance(s, number); break;
+        }
+    }
+    *far = s->far;
+    return false;
+}
+
+static __attribute__((noinline)) void meet_instance(struct search *s, uint32_t number)
+{
+    if (!(s->plan->instance[number].mask & s->mask))
+        return;
+    struct search in = search_instance(s, number);
+    search_space(&in, instance_space(s, number), visit_nearest);
+    s->far = in.far;
+}
+
+bool geometry_nearest(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                      uint8_t mask, struct meeting *out)
+{
+    struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE, .mask = mask,
+                             .far = far, .best = out };
+
+    s->counts.rays++;
+    *out = (struct meeting) { .t = far, .leaf = NO_LEAF, .instance = NO_INSTANCE };
+    search_space(&search, &p->geometry->space[0], visit_nearest);
+    return out->leaf != NO_LEAF;
+}
+
+/* --- blocked --------------------------------------------------------------- */
+
+static bool blocks_event(void *arg, const struct csg_event *e)
+{
+    struct csg_search *c = arg;
+    return is_opaque(c->search, &c->search->plan->leaf[c->csg->part[e->part].leaf]);
+}
+
+static bool blocks_csg(struct search *s, uint32_t number)
+{
+    const struct csg *c = &s->plan->geometry->csg[number];
+
+    s->s->counts.csg_tests++;
+    return (c->mask & RAY_SHADOW)
+           && csg_sweep(c, &s->s->csg, s->ray, s->far, blocks_event,
+                        &(struct csg_search) { s, c });
+}
+
+INLINE bool blocks_leaf(struct search *s, uint32_t number)
+{
+    const struct leaf *l = &s->plan->leaf[number];
+    struct hit h;
+
+    return (l->mask & RAY_SHADOW) && is_opaque(s, l)
+           && leaf_nearest(l, s->s, s->ray, 0, s->far, &h);
+}
+
+static bool blocks_instance(struct search *s, uint32_t number);
+
+INLINE bool blocks(struct search *s, uint32_t item)
+{
+    switch (item_kind(item)) {
+    case ITEM_LEAF: return blocks_leaf(s, item_number(item));
+    case ITEM_CSG:  return blocks_csg(s, item_number(item));
+    default:        return blocks_instance(s, item_number(item));
+    }
+}
+
+/* best->leaf takes the item, for the cache. */
+INLINE bool visit_blocked(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+
+    (void)far;
+    for (uint32_t i = 0; i < count; i++)
+        if (blocks(s, item[i])) {
+            if (item_kind(item[i]) != ITEM_INSTANCE) {
+                s->best->leaf = item[i];
+                s->best->instance = s->instance;
+            }
+            return true;
+        }
+    return false;
+}
+
+static __attribute__((noinline)) bool blocks_instance(struct search *s, uint32_t number)
+{
+    if (!(s->plan->instance[number].mask & RAY_SHADOW))
+        return false;
+    struct search in = search_instance(s, number);
+    return search_space(&in, instance_space(s, number), visit_blocked);
+}
+
+static bool still_blocks(struct search *s, const struct blocker *b)
+{
+    if (!b->is_known)
+        return false;
+    if (b->instance == NO_INSTANCE)
+        return blocks(s, b->item);
+    struct search in = search_instance(s, b->instance);
+    return blocks(&in, b->item);
+}
+
+bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                      uint32_t light)
+{
+    struct blocker none = { 0, 0, false };
+    struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
+    struct meeting by;
+    struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
+                             .mask = RAY_SHADOW, .far = far, .best = &by };
+
+    s->counts.shadow_rays++;
+    if (still_blocks(&search, last))
+        return true;
+    if (!search_space(&search, &p->geometry->space[0], visit_blocked))
+        return false;
+    *last = (struct blocker) { by.leaf, by.instance, true };
+    return true;
+}
+
+/* --- crossings ------------------------------------------------------------- */
+
+/* Keeps the nearest MOST_CROSSINGS in order. */
+static void keep(struct search *s, const struct hit *h, uint32_t leaf)
+{
+    struct meeting *m = s->s->crossing;
+    uint64_t own = rank(s->instance, leaf);
+    size_t at = s->n_crossing;
+
+    if (h->t < s->after_t || (h->t == s->after_t && own <= s->after))
+        return;
+    if (at == MOST_CROSSINGS) {
+        at--;
+        s->is_full = true;
+        if (h->t > m[at].t || (h->t == m[at].t && own > rank(m[at].instance, m[at].leaf)))
+            return;
+    } else {
+        s->n_crossing++;
+    }
+    for (; at > 0 && (m[at - 1].t > h->t || (m[at - 1].t == h->t
+                                             && rank(m[at - 1].instance, m[at - 1].leaf) > own)); at--)
+        m[at] = m[at - 1];
+    m[at] = (struct meeting) { h->t, *h, leaf, s->instance, s->plan->leaf[leaf].inverse };
+}
+
+static void keep_leaf(struct search *s, uint32_t number)
+{
+    const struct leaf *l = &s->plan->leaf[number];
+    struct hit hit[SHAPE_MOST_HITS];
+    struct ray ray = leaf_ray(l, s->ray);
+    int n;
+
+    if (!(l->mask & RAY_SHADOW) || is_opaque(s, l))
+        return;
+    s->s->counts.leaf_tests++;
+    if (l->ops)
+        n = l->ops->hits(l->shape, ray, hit);
+    else
+        n = mesh_hits(l->mesh, ray, nextafter(s->after_t, -INFINITY), s->far, hit,
+                      MOST_CROSSINGS, &s->s->counts.box_tests);
+    s->is_full |= !l->ops && n == MOST_CROSSINGS;
+    for (int i = 0; i < n; i++)
+        if (hit[i].t > 0 && hit[i].t < s->far)
+            keep(s, &hit[i], number);
+}
+
+static bool keep_event(void *arg, const struct csg_event *e)
+{
+    struct csg_search *c = arg;
+    uint32_t leaf = c->csg->part[e->part].leaf;
+
+    if (!is_opaque(c->search, &c->search->plan->leaf[leaf]))
+        keep(c->search, &e->hit, leaf);
+    return false;
+}
+
+static void keep_csg(struct search *s, uint32_t number)
+{
+    const struct csg *c = &s->plan->geometry->csg[number];
+
+    s->s->counts.csg_tests++;
+    if (c->mask & RAY_SHADOW)
+        csg_sweep(c, &s->s->csg, s->ray, s->far, keep_event, &(struct csg_search) { s, c });
+}
+
+static void keep_instance(struct search *s, uint32_t number);
+
+INLINE bool visit_crossings(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+
+    (void)far;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t number = item_number(item[i]);
+        switch (item_kind(item[i])) {
+        case ITEM_LEAF:     keep_leaf(s, number); break;
+        case ITEM_CSG:      keep_csg(s, number); break;
+        case ITEM_INSTANCE: keep_instance(s, number); break;
+        }
+    }
+    return false;
+}
+
+static __attribute__((noinline)) void keep_instance(struct search *s, uint32_t number)
+{
+    if (!(s->plan->instance[number].mask & RAY_SHADOW))
+        return;
+    struct search in = search_instance(s, number);
+    search_space(&in, instance_space(s, number), visit_crossings);
+    s->n_crossing = in.n_crossing;
+    s->is_full = in.is_full;
+}
+
+/* When more were found than could be kept, the search is repeated beyond the
+ * last one visited. */
+void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                        bool (*visit)(void *arg, const struct meeting *m), void *arg)
+{
+    double after_t = 0;
+    uint64_t after = 0;
+    bool more = true;
+
+    while (more) {
+        struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
+                                 .mask = RAY_SHADOW, .far = far, .after_t = after_t,
+                                 .after = after };
+        s->counts.shadow_rays++;
+        search_space(&search, &p->geometry->space[0], visit_crossings);
+        for (size_t i = 0; i < search.n_crossing; i++)
+            if (!visit(arg, &s->crossing[i]))
+                return;
+        more = search.is_full;
+        if (more) {
+            const struct meeting *last = &s->crossing[search.n_crossing - 1];
+            after_t = last->t;
+            after = rank(last->instance, last->leaf);
+        }
+    }
+}
+
+/* --- inside ---------------------------------------------------------------- */
+
+static bool item_holds(const struct plan *p, struct scratch *s, uint32_t item, vec3 point)
+{
+    uint32_t number = item_number(item);
+
+    if (item_kind(item) == ITEM_CSG)
+        return csg_inside(&p->geometry->csg[number], &s->csg, point);
+    return leaf_inside(&p->leaf[number], point);
+}
+
+size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint32_t surface[],
+                       size_t room)
+{
+    const struct geometry *g = p->geometry;
+    size_t n = 0;
+
+    for (size_t i = 0; i < g->n_filled && n < room; i++) {
+        uint32_t item = g->filled[i], number = item_number(item);
+        if (item_holds(p, s, item, point))
+            surface[n++] = p->leaf[item_kind(item) == ITEM_CSG ? g->csg[number].surface_leaf
+                                                               : number].surface;
+    }
+    return n;
+}
+
+/* --- the point ------------------------------------------------------------- */
+
+static const double point_rounding = 0x1p-51;   /* of adding slack to a point, and of the point */
+
+static void mesh_textures(const struct leaf *l, const struct hit *h, struct surface_point *out)
+{
+    const struct mesh_face *f = &l->mesh->mesh->face[h->part];
+
+    memcpy(out->texture, f->texture, sizeof out->texture);
+    out->weight[0] = 1 - h->u - h->v;
+    out->weight[1] = h->u;
+    out->weight[2] = h->v;
+}
+
+static vec2 uv_at(const struct leaf *l, struct ray ray, const struct hit *h, vec3 world)
+{
+    vec2 otherwise = { world.x, world.y };
+
+    if (!l->ops)
+        return mesh_uv(l->mesh, h, otherwise);
+    return l->ops->uv ? l->ops->uv(l->shape, ray_at(ray, h->t), h) : otherwise;
+}
+
+/* Twice the slack: the next ray's own search is as uncertain as this one. */
+void geometry_point(const struct plan *p, struct ray ray, const struct meeting *m,
+                    struct surface_point *out)
+{
+    const struct leaf *l = &p->leaf[m->leaf];
+    const struct instance *in = m->instance == NO_INSTANCE ? NULL : &p->instance[m->instance];
+    struct ray outer = in ? placed_ray(&in->place, ray) : ray;
+    struct ray inner = leaf_ray(l, outer);
+    vec3 normal = leaf_normal(l, inner, &m->hit);
+    double slack = leaf_slack(l, outer, &m->hit);
+
+    out->point = ray_at(ray, m->t);
+    out->surface = l->surface;
+    out->local = out->point;
+    if (in) {
+        normal = mat_normal(&in->place.from, normal);
+        slack = placed_slack(&in->place, in->stretch, in->fuzz, slack, ray, m->t);
+        if (l->surface == NO_LEAF)
+            out->surface = in->surface;
+        else
+            out->local = ray_at(outer, m->t);
+    }
+    out->normal = vec_unit(normal);
+    out->slack = 2 * slack + point_rounding * vec_largest(out->point);
+    out->uv = uv_at(l, inner, &m->hit, out->point);
+    if (l->ops)
+        memset(out->texture, 0xff, sizeof out->texture);
+    else
+        mesh_textures(l, &m->hit, out);
+}

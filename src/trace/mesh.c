@@ -1,0 +1,265 @@
+/* mesh.c: rays against the triangles of one mesh. */
+#include "trace/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "shape/triangle.h"
+
+enum { FACES_A_LEAF = 4 };
+
+static const vec3 *corner(const struct mesh *m, uint32_t face, int i)
+{
+    return &m->vertex[m->face[face].vertex[i]];
+}
+
+static struct bounds face_bounds(const struct mesh *m, uint32_t face)
+{
+    struct bounds b = BOUNDS_EMPTY;
+
+    for (int i = 0; i < 3; i++)
+        b = bounds_join(b, (struct bounds) { *corner(m, face, i), *corner(m, face, i) });
+    return b;
+}
+
+struct kept {
+    const struct mesh *mesh;
+    uint32_t *face;
+    size_t n;
+};
+
+static struct bounds kept_bounds(const void *of, size_t i)
+{
+    const struct kept *k = of;
+    return face_bounds(k->mesh, k->face[i]);
+}
+
+static bool is_finite(const struct mesh *m, uint32_t face)
+{
+    return vec_is_finite(*corner(m, face, 0)) && vec_is_finite(*corner(m, face, 1))
+           && vec_is_finite(*corner(m, face, 2));
+}
+
+static struct kept keep_finite(const struct mesh *m, struct arena *mem)
+{
+    struct kept k = { m, arena_array(mem, m->n_face + 1, sizeof *k.face), 0 };
+
+    for (size_t i = 0; i < m->n_face; i++)
+        if (is_finite(m, (uint32_t)i))
+            k.face[k.n++] = (uint32_t)i;
+    return k;
+}
+
+/* Edges by the places of their ends: meshes made by macros seldom share
+ * vertices. */
+struct edge { vec3 low, high; };
+
+static int vec_order(const vec3 *a, const vec3 *b)
+{
+    return a->x != b->x ? (a->x < b->x ? -1 : 1) : a->y != b->y ? (a->y < b->y ? -1 : 1)
+           : a->z != b->z ? (a->z < b->z ? -1 : 1) : 0;
+}
+
+static int edge_order(const void *a, const void *b)
+{
+    const struct edge *p = a, *q = b;
+    int order = vec_order(&p->low, &q->low);
+
+    return order ? order : vec_order(&p->high, &q->high);
+}
+
+/* Closed: each edge belongs to an even number of faces.  Then a line crosses
+ * an even number of faces, whatever way they are turned. */
+static bool is_closed(const struct kept *k, struct arena *mem)
+{
+    struct edge *edge = arena_array(mem, 3 * k->n + 1, sizeof *edge);
+    size_t n = 0;
+
+    for (size_t i = 0; i < k->n; i++)
+        for (int side = 0; side < 3; side++) {
+            const vec3 *a = corner(k->mesh, k->face[i], side);
+            const vec3 *b = corner(k->mesh, k->face[i], (side + 1) % 3);
+            int order = vec_order(a, b);
+            if (order != 0)
+                edge[n++] = order < 0 ? (struct edge) { *a, *b } : (struct edge) { *b, *a };
+        }
+    qsort(edge, n, sizeof *edge, edge_order);
+    for (size_t i = 0; i < n; i += 2)
+        if (i + 1 == n || edge_order(&edge[i], &edge[i + 1]) != 0)
+            return false;
+    return true;
+}
+
+bool mesh_has_inside(const struct mesh_tree *t) { return vec_largest(t->mesh->inside_vector) > 0; }
+
+const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, struct arena *mem)
+{
+    struct arena scrap;
+
+    arena_init(&scrap, mem->budget);
+    struct kept k = keep_finite(m, &scrap);
+    if (k.n == 0) {
+        arena_free(&scrap);
+        return NULL;
+    }
+    struct mesh_tree *t = arena_alloc(mem, sizeof *t);
+    t->mesh = m;
+    bvh_build(&t->tree, k.n, kept_bounds, &k, FACES_A_LEAF, threads, mem);
+    t->bounds = BOUNDS_EMPTY;
+    for (size_t i = 0; i < k.n; i++) {
+        t->bounds = bounds_join(t->bounds, kept_bounds(&k, i));
+        t->tree.item[i] = k.face[t->tree.item[i]];
+    }
+    t->is_closed = mesh_has_inside(t) && is_closed(&k, &scrap);
+    arena_free(&scrap);
+    return t;
+}
+
+struct search {
+    const struct mesh *mesh;
+    struct triangle_ray ray;
+    double near, far;
+    struct hit *out;
+    int n, room;
+};
+
+static struct hit hit_of(const struct search *s, const struct triangle_hit *h, uint32_t face)
+{
+    return (struct hit) { .t = h->t, .u = (float)h->u, .v = (float)h->v, .part = face,
+                          .slack = triangle_slack(&s->ray, *corner(s->mesh, face, 0),
+                                                  *corner(s->mesh, face, 1),
+                                                  *corner(s->mesh, face, 2)) };
+}
+
+static bool crosses(const struct search *s, uint32_t face, struct triangle_hit *h)
+{
+    return triangle_cross(&s->ray, *corner(s->mesh, face, 0), *corner(s->mesh, face, 1),
+                          *corner(s->mesh, face, 2), h);
+}
+
+INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+    struct triangle_hit h;
+
+    for (uint32_t i = 0; i < count; i++) {
+        if (!crosses(s, item[i], &h) || !(h.t > s->near) || !(h.t <= s->far))
+            continue;
+        if (h.t < s->far || (s->n && item[i] < s->out->part)) {
+            *s->out = hit_of(s, &h, item[i]);
+            *far = s->far = h.t;
+            s->n = 1;
+        }
+    }
+    return false;
+}
+
+bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double far,
+                  struct hit *out, unsigned long long *box_tests)
+{
+    struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, 1 };
+
+    bvh_walk(&t->tree, ray, near, far, visit_nearest, &s, box_tests);
+    return s.n > 0;
+}
+
+static bool is_after(const struct hit *a, const struct hit *b)
+{
+    return a->t != b->t ? a->t > b->t : a->part > b->part;
+}
+
+/* When there is no room for all, the nearest are kept. */
+static void keep(struct search *s, struct hit h)
+{
+    if (s->n == s->room && is_after(&h, &s->out[s->n - 1]))
+        return;
+    int at = s->n < s->room ? s->n++ : s->n - 1;
+    for (; at > 0 && is_after(&s->out[at - 1], &h); at--)
+        s->out[at] = s->out[at - 1];
+    s->out[at] = h;
+}
+
+INLINE bool visit_all(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+    struct triangle_hit h;
+
+    (void)far;
+    for (uint32_t i = 0; i < count; i++)
+        if (crosses(s, item[i], &h) && h.t > s->near && h.t < s->far)
+            keep(s, hit_of(s, &h, item[i]));
+    return false;
+}
+
+int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far,
+              struct hit out[], int room, unsigned long long *box_tests)
+{
+    struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, room };
+
+    bvh_walk(&t->tree, ray, near, far, visit_all, &s, box_tests);
+    return s.n;
+}
+
+INLINE bool visit_count(void *arg, const uint32_t item[], uint32_t count, double *far)
+{
+    struct search *s = arg;
+    struct triangle_hit h;
+
+    (void)far;
+    for (uint32_t i = 0; i < count; i++)
+        s->n += crosses(s, item[i], &h) && h.t > 0;
+    return false;
+}
+
+bool mesh_inside(const struct mesh_tree *t, vec3 p)
+{
+    struct ray ray = { p, t->mesh->inside_vector };
+    unsigned long long unused = 0;
+
+    if (!mesh_has_inside(t))
+        return false;
+    struct search s = { t->mesh, triangle_ray(ray), 0, INFINITY, NULL, 0, 0 };
+    bvh_walk(&t->tree, ray, 0, INFINITY, visit_count, &s, &unused);
+    return s.n & 1;
+}
+
+/* (c - a) x (b - a), by the edges' own unit: those of tiny faces would
+ * underflow. */
+static vec3 flat_normal(const struct mesh *m, uint32_t face)
+{
+    vec3 ab = vec_sub(*corner(m, face, 1), *corner(m, face, 0));
+    vec3 ac = vec_sub(*corner(m, face, 2), *corner(m, face, 0));
+
+    return vec_cross(vec_unit(ac), vec_unit(ab));
+}
+
+static bool is_smooth(const struct mesh_face *f)
+{
+    return f->normal[0] != MESH_NONE
+           && !(f->normal[0] == f->normal[1] && f->normal[0] == f->normal[2]);
+}
+
+vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h)
+{
+    const struct mesh *m = t->mesh;
+    const struct mesh_face *f = &m->face[h->part];
+    double u = (double)h->u, v = (double)h->v;
+
+    if (!is_smooth(f))
+        return flat_normal(m, h->part);
+    vec3 n = vec_scale(m->normal[f->normal[0]], 1 - u - v);
+    n = vec_fma(vec_fma(n, u, m->normal[f->normal[1]]), v, m->normal[f->normal[2]]);
+    return vec_largest(n) > 0 ? n : flat_normal(m, h->part);
+}
+
+vec2 mesh_uv(const struct mesh_tree *t, const struct hit *h, vec2 otherwise)
+{
+    const struct mesh *m = t->mesh;
+    const struct mesh_face *f = &m->face[h->part];
+    double u = (double)h->u, v = (double)h->v, w = 1 - u - v;
+
+    if (!m->uv || f->uv[0] == MESH_NONE)
+        return otherwise;
+    vec2 a = m->uv[f->uv[0]], b = m->uv[f->uv[1]], c = m->uv[f->uv[2]];
+    return (vec2) { w * a.u + u * b.u + v * c.u, w * a.v + u * b.v + v * c.v };
+}

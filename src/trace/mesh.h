@@ -1,0 +1,32 @@
+/* mesh.h: a mesh's own tree.  Placed often, it is stored once. */
+#ifndef RTC_MESH_H
+#define RTC_MESH_H
+
+#include "scene/object.h"
+#include "trace/bvh.h"
+
+struct mesh_tree {
+    const struct mesh *mesh;
+    struct bvh tree;                    /* its items are faces */
+    bool is_closed;                     /* every line crosses it an even number of times */
+    struct bounds bounds;
+};
+
+/* NULL: no face is finite. */
+const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, struct arena *mem);
+
+/* The nearest crossing with near < t < far; part: the face; u, v: weights of
+ * its second and third vertex.  Of equal t, the first face's. */
+bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double far,
+                  struct hit *out, unsigned long long *box_tests);
+
+/* All crossings of near < t < far, in increasing t; no more than room. */
+int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far,
+              struct hit out[], int room, unsigned long long *box_tests);
+
+bool mesh_has_inside(const struct mesh_tree *t);
+bool mesh_inside(const struct mesh_tree *t, vec3 p);
+vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h);   /* any length */
+vec2 mesh_uv(const struct mesh_tree *t, const struct hit *h, vec2 otherwise);
+
+#endif
