@@ -83,6 +83,7 @@ struct object {
     struct bounds box;                  /* holds the whole node, in outer space; perhaps not tightly */
     bool has_box;
     bool keep_whole;                    /* split_union off */
+    const char *unsupported;            /* a shape that cannot be rendered yet: an empty union, named */
 };
 
 /* A node that may be changed freely, sharing all that it points to. */

@@ -76,6 +76,8 @@ struct pigment {
     struct image_use image;
     struct transform place;             /* texture's space from the pigment's */
     bool uv_mapping;
+    const char *unsupported;            /* not NULL: what cannot be shown yet; a plain colour stands for it */
+    const void *said;                   /* the language's: how it was written */
 };
 
 /* Perturbed normals; which kinds there are comes with a later issue. */
@@ -84,6 +86,8 @@ struct normal {
     double amount, accuracy;
     struct transform place;
     bool no_bump_scale;
+    const char *word;                   /* of its pattern */
+    const void *said;                   /* the language's: how it was written */
 };
 
 extern const struct pigment pigment_default;        /* black, opaque */

@@ -23,6 +23,7 @@ struct texture {
     struct transform place;             /* the owner object's outer space from the texture's */
     const struct texture *above;        /* the next layer, or NULL */
     bool uv_mapping;
+    const char *unsupported;            /* not NULL: what cannot be shown yet */
 };
 
 /* What fills a solid. */

@@ -1,0 +1,307 @@
+/* build_block.c: what all blocks have in common: words with values, unknown
+ * words, transforms, declared things to start from. */
+#include <stdarg.h>
+#include <string.h>
+
+#include "lang/build.h"
+#include "lang/colour.h"
+#include "lang/guess.h"
+
+/* --- items ------------------------------------------------------------------- */
+
+bool item_is(const struct item *i, const char *word)
+{
+    return (i->kind == ITEM_WORD || i->kind == ITEM_BLOCK) && strcmp(i->word->text, word) == 0;
+}
+
+bool item_is_block(const struct item *i, const char *word)
+{
+    return i->kind == ITEM_BLOCK && strcmp(i->word->text, word) == 0;
+}
+
+bool item_is_thing(const struct item *i, enum value_type type)
+{
+    return i->kind == ITEM_VALUE && i->value.type == type;
+}
+
+const void *build_start(struct reader *r, enum value_type type)
+{
+    if (!item_is_thing(reader_peek(r), type))
+        return NULL;
+    return reader_next(r).value.thing;
+}
+
+bool build_flag(struct reader *r)
+{
+    return reader_is_number(r) ? reader_number(r, false, "a flag") > 0 : true;
+}
+
+vec3 build_vector(struct reader *r, bool comma, const char *what)
+{
+    double v[3] = { 0, 0, 0 };
+
+    reader_vector(r, comma, 3, v, what);
+    return vec(v[0], v[1], v[2]);
+}
+
+/* --- messages ---------------------------------------------------------------- */
+
+static const char *table_guess(struct lang *l, const struct item *i,
+                               const struct field *const *tables)
+{
+    struct guess g = guess_start(i->text);
+
+    for (; tables && *tables; tables++)
+        guess_fields(&g, *tables);
+    return guess_text(&g, l);
+}
+
+void build_unknown(struct lang *l, const struct item *i, const char *block,
+                   const struct field *const *tables)
+{
+    switch (i->kind) {
+    case ITEM_NAME:
+        diag_error(l->diag, i->at, "unknown word '%s' in %s%s", i->text, block,
+                   table_guess(l, i, tables));
+        return;
+    case ITEM_WORD: case ITEM_BLOCK:
+        diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
+                   table_guess(l, i, tables));
+        return;
+    default:
+        diag_error(l->diag, i->at, "%s cannot stand here in %s", item_describe(l, i), block);
+    }
+}
+
+void build_wrong(struct lang *l, const struct item *block, const char *format, ...)
+{
+    va_list args;
+    char text[256];
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    diag_error(l->diag, block->at, "%s", text);
+}
+
+/* --- fields ------------------------------------------------------------------ */
+
+const struct field *field_find(const struct field *table, const char *word)
+{
+    for (; table && table->name; table++)
+        if (strcmp(table->name, word) == 0)
+            return table;
+    return NULL;
+}
+
+static double in_range(struct reader *r, const struct field *f, const char *word, struct loc at,
+                       double x)
+{
+    if (f->low > f->high || (x >= f->low && x <= f->high))
+        return x;
+    if (isinf(f->high))
+        diag_error(r->lang->diag, at, "%s must be at least %g, not %g", word, f->low, x);
+    else if (isinf(f->low))
+        diag_error(r->lang->diag, at, "%s must be at most %g, not %g", word, f->high, x);
+    else
+        diag_error(r->lang->diag, at, "%s must be between %g and %g, not %g", word, f->low,
+                   f->high, x);
+    return x < f->low ? f->low : f->high;
+}
+
+static double number(struct reader *r, const struct field *f, const char *word)
+{
+    struct loc at = reader_at(r);
+
+    return in_range(r, f, word, at, reader_number(r, false, word));
+}
+
+static int whole(double x)
+{
+    if (!(x > -2147483648.0))
+        return -2147483647 - 1;
+    return x < 2147483647.0 ? (int)x : 2147483647;
+}
+
+static void vector(struct reader *r, const struct field *f, const char *word, int n, double *to)
+{
+    struct loc at = reader_at(r);
+
+    reader_vector(r, false, n, to, word);
+    for (int i = 0; i < n; i++)
+        to[i] = in_range(r, f, word, at, to[i]);
+}
+
+/* A comma before was taken by the caller. */
+bool build_field(struct reader *r, const struct field *f, const char *word, struct loc at,
+                 void *thing)
+{
+    char *to = (char *)thing + f->offset;
+
+    if (f->unsupported)
+        diag_unsupported(r->lang->diag, at, f->unsupported);
+    switch (f->type) {
+    case FIELD_FLAG:
+        *(bool *)to = build_flag(r);
+        return true;
+    case FIELD_INT:
+        *(int *)to = whole(number(r, f, word));
+        return true;
+    case FIELD_NUM: case FIELD_DEGREES:
+        *(double *)to = number(r, f, word);
+        return true;
+    case FIELD_NUM_OR_1:
+        *(double *)to = reader_is_number(r) ? number(r, f, word) : 1;
+        return true;
+    case FIELD_POINT2:
+        vector(r, f, word, 2, (double *)to);
+        return true;
+    case FIELD_POINT:
+        vector(r, f, word, 3, (double *)to);
+        return true;
+    case FIELD_POINT4:
+        vector(r, f, word, 4, (double *)to);
+        return true;
+    case FIELD_RGB:
+        *(rgb *)to = colour_take_rgb(r, false, word);
+        return true;
+    case FIELD_COLOUR:
+        *(colour *)to = colour_take(r, false, word);
+        return true;
+    case FIELD_TEXT:
+        *(const char **)to = reader_text(r, false, word);
+        return true;
+    case FIELD_IGNORED:
+        build_flag(r);
+        return true;
+    case FIELD_CUSTOM:
+        break;
+    }
+    return false;
+}
+
+bool build_from_table(struct reader *r, const struct field *table, const struct item *i,
+                      void *thing)
+{
+    if (i->kind != ITEM_WORD)
+        return false;
+    const struct field *f = field_find(table, i->word->text);
+    return f && build_field(r, f, f->name, i->at, thing);
+}
+
+void build_table_block(struct lang *l, const struct item *block, const char *name,
+                       const struct field *table, void *thing)
+{
+    const struct field *const tables[] = { table, NULL };
+    struct reader r;
+
+    reader_open(&r, l, block->body);
+    for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r))
+        if (!build_from_table(&r, table, &i, thing))
+            build_unknown(l, &i, name, tables);
+    reader_close(&r);
+}
+
+/* --- transforms -------------------------------------------------------------- */
+
+const struct field transform_fields[] = {
+    { "translate", FIELD_CUSTOM, 0, ANY, "moves" },
+    { "rotate", FIELD_CUSTOM, 0, ANY, "turns, degrees about x, then y, then z" },
+    { "scale", FIELD_CUSTOM, 0, ANY, "stretches" },
+    { "matrix", FIELD_CUSTOM, 0, ANY, "twelve numbers" },
+    { "transform", FIELD_CUSTOM, 0, ANY, "a declared transform, or several in braces" },
+    FIELD_END,
+};
+
+static double not_zero(struct reader *r, struct loc at, double x)
+{
+    if (x != 0)
+        return x;
+    diag_warning(r->lang->diag, at, "scale by 0 in one direction: taken as 1");
+    return 1;
+}
+
+static struct transform read_scale(struct reader *r)
+{
+    struct loc at = reader_at(r);
+    vec3 by = build_vector(r, false, "scale");
+
+    return transform_scale(vec(not_zero(r, at, by.x), not_zero(r, at, by.y),
+                               not_zero(r, at, by.z)));
+}
+
+static struct transform read_matrix(struct reader *r)
+{
+    struct transform t = transform_identity;
+    struct loc at = reader_at(r);
+    double v[12];
+
+    if (reader_list(r, "matrix", 12, v) && !transform_matrix(v, &t))
+        diag_error(r->lang->diag, at, "this matrix flattens everything: it has no inverse");
+    return t;
+}
+
+/* transform T, or transform { } */
+static struct transform read_transform(struct reader *r, const struct item *i)
+{
+    if (i->kind == ITEM_BLOCK) {
+        struct value v;
+        make_transform(r->lang, i, &v);
+        return *(const struct transform *)v.thing;
+    }
+    const struct transform *t = build_start(r, VALUE_TRANSFORM);
+    if (t)
+        return *t;
+    diag_error(r->lang->diag, reader_at(r), "expected a declared transform; found %s",
+               item_describe(r->lang, reader_peek(r)));
+    return transform_identity;
+}
+
+bool build_transform(struct reader *r, const struct item *i, struct transform *t)
+{
+    if (i->kind != ITEM_WORD && i->kind != ITEM_BLOCK)
+        return false;
+    const char *word = i->word->text;
+    if (strcmp(word, "transform") == 0)
+        *t = read_transform(r, i);
+    else if (i->kind == ITEM_BLOCK)
+        return false;
+    else if (strcmp(word, "translate") == 0)
+        *t = transform_translate(build_vector(r, false, word));
+    else if (strcmp(word, "rotate") == 0)
+        *t = transform_rotate(build_vector(r, false, word));
+    else if (strcmp(word, "scale") == 0)
+        *t = read_scale(r);
+    else if (strcmp(word, "matrix") == 0)
+        *t = read_matrix(r);
+    else
+        return false;
+    return true;
+}
+
+bool make_transform(struct lang *l, const struct item *block, struct value *out)
+{
+    const struct field *const tables[] = { transform_fields, NULL };
+    struct transform all = transform_identity, next;
+    bool inverse = false;
+    struct reader r;
+
+    reader_open(&r, l, block->body);
+    for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
+        if (item_is_thing(&i, VALUE_TRANSFORM))
+            next = *(const struct transform *)i.value.thing;
+        else if (i.kind == ITEM_WORD && item_is(&i, "inverse")) {
+            inverse = true;
+            continue;
+        } else if (!build_transform(&r, &i, &next)) {
+            build_unknown(l, &i, "transform", tables);
+            continue;
+        }
+        all = transform_compose(&next, &all);
+    }
+    reader_close(&r);
+    if (inverse)
+        all = transform_inverse(&all);
+    *out = value_thing(VALUE_TRANSFORM, arena_copy(l->scene_mem, &all, sizeof all));
+    return true;
+}

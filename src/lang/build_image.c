@@ -1,0 +1,186 @@
+/* build_image.c: image_map { } and the other blocks that begin with a picture. */
+#include <string.h>
+
+#include "lang/build.h"
+
+const struct field image_types[] = {
+    { "gif", FIELD_CUSTOM, 0, ANY, "a GIF file" }, { "tga", FIELD_CUSTOM, 0, ANY, "a Targa file" },
+    { "png", FIELD_CUSTOM, 0, ANY, "a PNG file" }, { "jpeg", FIELD_CUSTOM, 0, ANY, "a JPEG file" },
+    { "ppm", FIELD_CUSTOM, 0, ANY, "a PPM file" }, { "pgm", FIELD_CUSTOM, 0, ANY, "a PGM file" },
+    { "pot", FIELD_CUSTOM, 0, ANY, "a Potfile" }, { "iff", FIELD_CUSTOM, 0, ANY, "an IFF file" },
+    { "sys", FIELD_CUSTOM, 0, ANY, "the system's own kind of picture" },
+    { "tiff", FIELD_CUSTOM, 0, ANY, "a TIFF file" }, { "bmp", FIELD_CUSTOM, 0, ANY, "a BMP file" },
+    { "exr", FIELD_CUSTOM, 0, ANY, "an OpenEXR file" },
+    { "hdr", FIELD_CUSTOM, 0, ANY, "a Radiance file" },
+    FIELD_END,
+};
+
+#define MEMBER(m) offsetof(struct image_use, m)
+
+const struct field image_fields[] = {
+    { "map_type", FIELD_INT, MEMBER(map_type), ANY, "0 flat, 1 sphere, 2 cylinder, 5 torus" },
+    { "interpolate", FIELD_INT, MEMBER(interpolate), ANY, "2 bilinear, 3 bicubic, 4 by distance" },
+    { "once", FIELD_FLAG, MEMBER(once), ANY, "nothing outside of the picture" },
+    { "repeat", FIELD_CUSTOM, 0, ANY, "how often in each direction" },
+    { "offset", FIELD_CUSTOM, 0, ANY, "moves the picture" },
+    { "use_color", FIELD_CUSTOM, 0, ANY, "colours, not palette numbers" },
+    { "use_colour", FIELD_CUSTOM, 0, ANY, "colours, not palette numbers" },
+    { "use_index", FIELD_CUSTOM, 0, ANY, "palette numbers" },
+    { "use_alpha", FIELD_CUSTOM, 0, ANY, "transparency" },
+    { "filter", FIELD_CUSTOM, 0, ANY, "all F, or palette number and F" },
+    { "transmit", FIELD_CUSTOM, 0, ANY, "all F, or palette number and F" },
+    { "all", FIELD_CUSTOM, 0, ANY, "every colour" },
+    { "gamma", FIELD_CUSTOM, 0, ANY, "how the file is encoded" },
+    { "premultiplied", FIELD_CUSTOM, 0, ANY, "colours hold their opacity already" },
+    { "bump_size", FIELD_CUSTOM, 0, ANY, "how high bumps are" },
+    FIELD_END,
+};
+
+struct source_file {
+    struct loc at;
+    const char *name, *type;
+    double gamma;
+    bool premultiplied, by_function;
+};
+
+enum { MOST_PALETTE_WORDS = 1024 };
+
+struct reading {
+    struct source_file file;
+    struct image_use *use;
+    struct image_palette *palette;
+    size_t n_palette, room_palette;
+    const char *unsupported;
+};
+
+/* --- where the picture comes from ------------------------------------------------- */
+
+/* function W, H { ... }: how the parser gives it back is the evaluator's affair. */
+static void skip_function(struct reader *r, struct source_file *f)
+{
+    f->by_function = true;
+    reader_number(r, false, "width of the function's picture");
+    reader_number(r, true, "height of the function's picture");
+    if (reader_peek(r)->kind == ITEM_BRACES || item_is_thing(reader_peek(r), VALUE_FUNCTION)
+        || reader_peek(r)->kind == ITEM_BLOCK)
+        reader_next(r);
+}
+
+static void read_source(struct reader *r, struct source_file *f)
+{
+    const struct item *i = reader_peek(r);
+
+    if (item_is_thing(i, VALUE_FUNCTION)) {
+        f->by_function = true;
+        reader_next(r);
+        return;
+    }
+    if (i->kind == ITEM_WORD && item_is(i, "function")) {
+        reader_next(r);
+        skip_function(r, f);
+        return;
+    }
+    if (i->kind == ITEM_WORD && field_find(image_types, i->word->text))
+        f->type = reader_next(r).word->text;
+    f->at = reader_at(r);
+    f->name = reader_text(r, false, "picture file");
+    if (reader_takes_word(r, "gamma"))
+        f->gamma = reader_takes_word(r, "srgb") ? -1 : reader_number(r, false, "gamma");
+    if (reader_takes_word(r, "premultiplied"))
+        f->premultiplied = build_flag(r);
+}
+
+/* --- items -------------------------------------------------------------------------- */
+
+static struct image_palette *add_palette(struct lang *l, struct reading *w)
+{
+    w->palette = arena_grow(l->mem, w->palette, w->n_palette, &w->room_palette, sizeof *w->palette);
+    w->palette[w->n_palette] = (struct image_palette) { -1, -1, -1 };
+    return &w->palette[w->n_palette++];
+}
+
+static void read_transparency(struct reader *r, struct reading *w, const char *word)
+{
+    struct image_palette *p = add_palette(r->lang, w);
+
+    if (!reader_takes_word(r, "all"))
+        p->entry = (int)reader_number(r, false, word);
+    float x = (float)reader_number(r, true, word);
+    if (strcmp(word, "filter") == 0)
+        p->filter = x;
+    else
+        p->transmit = x;
+}
+
+static void read_shift(struct reader *r, struct reading *w, const char *word)
+{
+    double v[2] = { 0, 0 }, neutral = strcmp(word, "repeat") == 0 ? 1 : 0;
+
+    reader_vector(r, false, 2, v, word);
+    if (v[0] != neutral || v[1] != neutral)
+        w->unsupported = arena_format(r->lang->mem, "%s in image_map", word);
+}
+
+static bool read_item(struct reader *r, struct reading *w, const struct item *i, const char *block)
+{
+    bool map = strcmp(block, "image_map") == 0;
+
+    if (item_is_block(i, "texture") && strcmp(block, "material_map") == 0) {
+        build_texture(r->lang, i);
+        return true;
+    }
+    if (i->kind != ITEM_WORD)
+        return false;
+    const char *word = i->word->text;
+    if (map && (strcmp(word, "filter") == 0 || strcmp(word, "transmit") == 0))
+        read_transparency(r, w, word);
+    else if (strcmp(word, "repeat") == 0 || strcmp(word, "offset") == 0)
+        read_shift(r, w, word);
+    else if (strcmp(word, "bump_size") == 0 && strcmp(block, "bump_map") == 0)
+        reader_number(r, false, word);
+    else if (strcmp(word, "use_alpha") == 0)
+        return strcmp(block, "image_pattern") == 0;
+    else if (strncmp(word, "use_", 4) != 0)
+        return build_from_table(r, image_fields, i, w->use);
+    return true;
+}
+
+static void check_use(struct lang *l, const struct item *block, struct image_use *u)
+{
+    bool known = u->map_type == MAP_PLANAR || u->map_type == MAP_SPHERICAL
+                 || u->map_type == MAP_CYLINDRICAL || u->map_type == MAP_TOROIDAL;
+
+    if (!known) {
+        build_wrong(l, block, "map_type is 0, 1, 2 or 5, not %d", u->map_type);
+        u->map_type = MAP_PLANAR;
+    }
+    if (u->interpolate != 0 && (u->interpolate < 2 || u->interpolate > 4)) {
+        build_wrong(l, block, "interpolate is 2, 3 or 4, not %d", u->interpolate);
+        u->interpolate = INTERPOLATE_NONE;
+    }
+}
+
+void build_image(struct lang *l, const struct item *block, struct image_use *use,
+                 bool *unsupported)
+{
+    const struct field *const tables[] = { image_fields, image_types, NULL };
+    struct reading w = { .use = use };
+    struct reader r;
+
+    *use = (struct image_use) { 0 };
+    reader_open(&r, l, block->body);
+    read_source(&r, &w.file);
+    for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
+        reader_skip_comma(&r);
+        if (!read_item(&r, &w, &i, block->text))
+            build_unknown(l, &i, block->text, tables);
+    }
+    reader_close(&r);
+    check_use(l, block, use);
+    *unsupported = w.file.by_function;
+    if (w.unsupported)
+        diag_unsupported(l->diag, block->at, w.unsupported);
+    if (w.file.name && *w.file.name)
+        use->image = load_image(l, w.file.at, w.file.name, w.file.type, w.file.gamma,
+                                w.file.premultiplied, w.palette, w.n_palette);
+}

@@ -1,0 +1,546 @@
+/* build_mesh.c: mesh { } and mesh2 { }. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "lang/build.h"
+
+/* A mesh under construction: lists that grow in the tree's arena and are
+ * copied, at their true size, into the scene's. */
+struct list { void *item; size_t n, room; };
+
+struct making {
+    struct lang *lang;
+    struct object *object;
+    struct mesh *mesh;
+    struct list vertex, normal, uv, face, texture;
+    bool has_faces;                     /* mesh2: group 1 is over */
+    bool has_vertices, has_normals, has_uvs, has_textures, has_uv_indices, has_normal_indices;
+};
+
+const struct field mesh_fields[] = {
+    { "uv_vectors", FIELD_CUSTOM, 0, ANY, "three places in the texture" },
+    { "texture_list", FIELD_CUSTOM, 0, ANY, "textures of faces or corners" },
+    { "vertex_vectors", FIELD_CUSTOM, 0, ANY, "mesh2: the corners" },
+    { "normal_vectors", FIELD_CUSTOM, 0, ANY, "mesh2: the normals" },
+    { "face_indices", FIELD_CUSTOM, 0, ANY, "mesh2: three corners a face" },
+    { "normal_indices", FIELD_CUSTOM, 0, ANY, "mesh2: three normals a face" },
+    { "uv_indices", FIELD_CUSTOM, 0, ANY, "mesh2: three uv_vectors a face" },
+    { "inside_vector", FIELD_CUSTOM, 0, ANY, "makes a closed mesh solid" },
+    FIELD_END,
+};
+
+static void *push(struct making *m, struct list *list, size_t size)
+{
+    list->item = arena_grow(m->lang->mem, list->item, list->n, &list->room, size);
+    return (char *)list->item + size * list->n++;
+}
+
+static void *kept(struct making *m, const struct list *list, size_t size)
+{
+    return list->n > 0 ? arena_copy(m->lang->scene_mem, list->item, list->n * size) : NULL;
+}
+
+/* --- the end ----------------------------------------------------------------------------- */
+
+static bool same(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool is_degenerate(const vec3 *v, const struct mesh_face *f)
+{
+    vec3 a = v[f->vertex[0]], b = v[f->vertex[1]], c = v[f->vertex[2]];
+    vec3 n = vec_cross(vec_sub(b, a), vec_sub(c, a));
+
+    return same(a, b) || same(b, c) || same(a, c) || !(vec_largest(n) > 0);
+}
+
+/* Degenerate faces are dropped, and three equal normals make a flat face. */
+static size_t clean_faces(struct making *m)
+{
+    struct mesh_face *f = m->face.item;
+    const vec3 *vertex = m->vertex.item, *normal = m->normal.item;
+    size_t n = 0;
+
+    for (size_t i = 0; i < m->face.n; i++) {
+        const uint32_t *k = f[i].normal;
+        if (is_degenerate(vertex, &f[i]))
+            continue;
+        f[n] = f[i];
+        if (k[0] != MESH_NONE && same(normal[k[0]], normal[k[1]])
+            && same(normal[k[1]], normal[k[2]]))
+            f[n].normal[0] = f[n].normal[1] = f[n].normal[2] = MESH_NONE;
+        n++;
+    }
+    return n;
+}
+
+static struct bounds box_of(const struct mesh *m)
+{
+    struct bounds b = BOUNDS_EMPTY;
+
+    for (size_t i = 0; i < m->n_face; i++)
+        for (int k = 0; k < 3; k++) {
+            vec3 p = m->vertex[m->face[i].vertex[k]];
+            b = bounds_join(b, (struct bounds) { p, p });
+        }
+    return b;
+}
+
+static void complete(struct making *m)
+{
+    struct mesh *mesh = m->mesh;
+
+    m->face.n = clean_faces(m);
+    mesh->vertex = kept(m, &m->vertex, sizeof(vec3));
+    mesh->n_vertex = m->vertex.n;
+    mesh->normal = kept(m, &m->normal, sizeof(vec3));
+    mesh->n_normal = m->normal.n;
+    mesh->uv = kept(m, &m->uv, sizeof(vec2));
+    mesh->n_uv = m->uv.n;
+    mesh->face = kept(m, &m->face, sizeof(struct mesh_face));
+    mesh->n_face = m->face.n;
+    mesh->texture = kept(m, &m->texture, sizeof(struct texture *));
+    mesh->n_texture = m->texture.n;
+    mesh->box = box_of(mesh);
+}
+
+static struct making start(struct lang *l, const struct item *block)
+{
+    struct making m = { .lang = l, .object = object_start(l, OBJECT_MESH, block->at) };
+
+    m.object->mesh = m.mesh = arena_alloc(l->scene_mem, sizeof *m.mesh);
+    return m;
+}
+
+/* --- triangles of mesh { } ------------------------------------------------------------------ */
+
+static uint32_t add_vertex(struct making *m, vec3 p)
+{
+    *(vec3 *)push(m, &m->vertex, sizeof p) = p;
+    return (uint32_t)(m->vertex.n - 1);
+}
+
+static vec3 unit_normal(struct making *m, struct loc at, vec3 n)
+{
+    vec3 unit = vec_unit(n);
+
+    if (vec_largest(unit) > 0)
+        return unit;
+    diag_warning(m->lang->diag, at, "a normal of length 0: taken as x");
+    return vec(1, 0, 0);
+}
+
+static uint32_t add_normal(struct making *m, struct loc at, vec3 n)
+{
+    *(vec3 *)push(m, &m->normal, sizeof n) = unit_normal(m, at, n);
+    return (uint32_t)(m->normal.n - 1);
+}
+
+/* Meshes mention few textures, mostly the one mentioned last. */
+static uint32_t texture_number(struct making *m, const struct texture *t)
+{
+    const struct texture **list = m->texture.item;
+
+    for (size_t i = m->texture.n; i > 0; i--)
+        if (list[i - 1] == t)
+            return (uint32_t)(i - 1);
+    *(const struct texture **)push(m, &m->texture, sizeof t) = t;
+    return (uint32_t)(m->texture.n - 1);
+}
+
+static uint32_t declared_texture(struct making *m, struct reader *r)
+{
+    const struct texture *t = build_start(r, VALUE_TEXTURE);
+
+    if (t)
+        return texture_number(m, t);
+    diag_error(m->lang->diag, reader_at(r), "only a declared texture can stand here; found %s",
+               item_describe(m->lang, reader_peek(r)));
+    while (reader_peek(r)->kind != ITEM_END && reader_peek(r)->kind != ITEM_COMMA)
+        reader_next(r);
+    return MESH_NONE;
+}
+
+static void read_face_texture(struct making *m, const struct item *i, struct mesh_face *f)
+{
+    bool list = item_is(i, "texture_list");
+    struct reader r;
+
+    reader_open(&r, m->lang, i->body);
+    f->texture[0] = f->texture[1] = f->texture[2] = declared_texture(m, &r);
+    for (int k = 1; list && k < 3; k++) {
+        reader_skip_comma(&r);
+        f->texture[k] = declared_texture(m, &r);
+    }
+    if (reader_peek(&r)->kind != ITEM_END)
+        build_unknown(m->lang, reader_peek(&r), i->text, NULL);
+    reader_close(&r);
+}
+
+static void read_face_uv(struct making *m, struct reader *r, struct mesh_face *f)
+{
+    for (int k = 0; k < 3; k++) {
+        vec2 uv = { 0, 0 };
+        reader_vector(r, k > 0, 2, (double *)&uv, "uv_vectors");
+        f->uv[k] = (uint32_t)m->uv.n;
+        *(vec2 *)push(m, &m->uv, sizeof uv) = uv;
+    }
+}
+
+#define NO_THREE { MESH_NONE, MESH_NONE, MESH_NONE }
+static const struct mesh_face bare_face = { NO_THREE, NO_THREE, NO_THREE, NO_THREE };
+
+static void read_corners(struct making *m, struct reader *r, struct mesh_face *f, bool smooth)
+{
+    for (int k = 0; k < 3; k++) {
+        f->vertex[k] = add_vertex(m, build_vector(r, k > 0, "corner of triangle"));
+        if (!smooth)
+            continue;
+        vec3 n = build_vector(r, true, "normal of triangle");
+        f->normal[k] = add_normal(m, reader_at(r), n);
+    }
+}
+
+static void read_triangle(struct making *m, const struct item *i)
+{
+    const struct field *const tables[] = { mesh_fields, NULL };
+    struct mesh_face f = bare_face;
+    struct reader r;
+
+    reader_open(&r, m->lang, i->body);
+    read_corners(m, &r, &f, item_is(i, "smooth_triangle"));
+    for (struct item w = reader_next(&r); w.kind != ITEM_END; w = reader_next(&r)) {
+        if (w.kind == ITEM_WORD && item_is(&w, "uv_vectors"))
+            read_face_uv(m, &r, &f);
+        else if (item_is_block(&w, "texture") || item_is_block(&w, "texture_list"))
+            read_face_texture(m, &w, &f);
+        else
+            build_unknown(m->lang, &w, i->text, tables);
+    }
+    reader_close(&r);
+    *(struct mesh_face *)push(m, &m->face, sizeof f) = f;
+}
+
+static bool read_mesh_item(struct reader *r, const struct item *i, void *arg)
+{
+    struct making *m = arg;
+
+    if (item_is_block(i, "triangle") || item_is_block(i, "smooth_triangle"))
+        read_triangle(m, i);
+    else if (i->kind == ITEM_WORD && item_is(i, "inside_vector"))
+        m->mesh->inside_vector = vec_unit(build_vector(r, false, "inside_vector"));
+    else
+        return false;
+    return true;
+}
+
+/* Transforms come after the triangles, which are in the mesh's own space. */
+static struct object *make_mesh(struct lang *l, struct reader *r, const struct item *block)
+{
+    const struct field *const tables[] = { mesh_fields, NULL };
+    struct making m = start(l, block);
+
+    while (item_is_block(reader_peek(r), "triangle") || item_is_block(reader_peek(r), "smooth_triangle")) {
+        struct item i = reader_next(r);
+        read_triangle(&m, &i);
+    }
+    if (m.face.n == 0)
+        build_wrong(l, block, "this mesh has no triangles");
+    complete(&m);
+    build_modifiers(r, m.object, block, read_mesh_item, &m, tables);
+    return m.object;
+}
+
+/* --- the lists of mesh2 { } -------------------------------------------------------------------- */
+
+enum { MOST_AT_ONCE = 4096 };           /* vectors asked of the reader in one go */
+
+static size_t read_count(struct making *m, struct reader *r, const char *what)
+{
+    struct loc at = reader_at(r);
+    double n = reader_number(r, false, what);
+
+    if (n >= 0 && n < 4294967295.0)
+        return (size_t)n;
+    diag_error(m->lang->diag, at, "%s cannot have %g entries", what, n);
+    return 0;
+}
+
+/* n vectors of that many doubles each, commas where they please. */
+static void read_vectors(struct making *m, const struct item *block, int components,
+                         struct list *list)
+{
+    size_t size = (size_t)components * sizeof(double);
+    double bulk[3 * MOST_AT_ONCE];
+    struct reader r;
+
+    reader_open(&r, m->lang, block->body);
+    size_t n = read_count(m, &r, block->text);
+    reader_skip_comma(&r);
+    *list = (struct list) { 0 };
+    unsigned errors = m->lang->diag->errors;
+    while (list->n < n && m->lang->diag->errors == errors) {
+        size_t most = n - list->n < MOST_AT_ONCE ? n - list->n : MOST_AT_ONCE;
+        size_t got = reader_bulk(&r, components, most, bulk);
+        if (got == 0) {
+            reader_vector(&r, false, components, bulk, block->text);
+            reader_skip_comma(&r);
+            got = 1;
+        }
+        for (size_t i = 0; i < got; i++)
+            memcpy(push(m, list, size), bulk + i * (size_t)components, size);
+    }
+    if (m->lang->diag->errors == errors && reader_peek(&r)->kind != ITEM_END)
+        diag_error(m->lang->diag, reader_at(&r), "%s has more than the %zu entries it announces",
+                   block->text, n);
+    reader_close(&r);
+}
+
+static uint32_t index_in(struct making *m, struct loc at, const char *what, double x, size_t n)
+{
+    if (x >= 0 && x < (double)n)
+        return (uint32_t)x;
+    diag_error(m->lang->diag, at, "%s: index %g is not in 0 to %zu", what, x, n > 0 ? n - 1 : 0);
+    return 0;
+}
+
+static bool single_number(struct reader *r)
+{
+    const struct item *i = reader_peek(r);
+
+    return i->kind == ITEM_VALUE && i->value.type == VALUE_NUMBER && i->value.n == 1;
+}
+
+/* [, t [, t, t]] behind a face's corners. */
+static void read_texture_indices(struct making *m, struct reader *r, struct mesh_face *f)
+{
+    size_t n = m->texture.n;
+
+    for (int k = 0; k < 3; k++) {
+        if (!single_number(r)) {
+            for (; k > 0 && k < 3; k++)
+                f->texture[k] = f->texture[0];
+            return;
+        }
+        struct loc at = reader_at(r);
+        f->texture[k] = index_in(m, at, "texture of face_indices", reader_number(r, false, "texture"), n);
+        reader_skip_comma(r);
+    }
+}
+
+/* Three indices a face, of n things: straight from the constants where they
+ * stand in a run. */
+struct indices {
+    struct making *m;
+    struct reader *r;
+    const char *what;
+    size_t n_things;
+    double bulk[3 * MOST_AT_ONCE];
+    size_t have, used;
+};
+
+static void next_three(struct indices *x, size_t most, uint32_t out[3])
+{
+    struct loc at = reader_at(x->r);
+    double v[3] = { 0, 0, 0 };
+
+    if (x->used == x->have) {
+        x->used = 0;
+        x->have = reader_bulk(x->r, 3, most < MOST_AT_ONCE ? most : MOST_AT_ONCE, x->bulk);
+    }
+    if (x->used < x->have)
+        memcpy(v, x->bulk + 3 * x->used++, sizeof v);
+    else {
+        reader_vector(x->r, false, 3, v, x->what);
+        reader_skip_comma(x->r);
+    }
+    for (int k = 0; k < 3; k++)
+        out[k] = index_in(x->m, at, x->what, v[k], x->n_things);
+}
+
+static void read_faces(struct making *m, const struct item *block)
+{
+    struct reader r;
+    struct indices x = { .m = m, .r = &r, .what = block->text, .n_things = m->vertex.n };
+
+    reader_open(&r, m->lang, block->body);
+    size_t n = read_count(m, &r, block->text);
+    reader_skip_comma(&r);
+    unsigned errors = m->lang->diag->errors;
+    for (size_t i = 0; i < n && m->lang->diag->errors == errors; i++) {
+        struct mesh_face *f = push(m, &m->face, sizeof *f);
+        *f = bare_face;
+        next_three(&x, m->texture.n > 0 ? 1 : n - i, f->vertex);
+        if (m->texture.n > 0)
+            read_texture_indices(m, &r, f);
+    }
+    if (m->lang->diag->errors == errors && reader_peek(&r)->kind != ITEM_END)
+        diag_error(m->lang->diag, reader_at(&r), "face_indices has more than the %zu faces it announces", n);
+    reader_close(&r);
+    if (m->face.n == 0)
+        build_wrong(m->lang, block, "face_indices needs a face");
+}
+
+/* uv_indices and normal_indices: the first `used` faces get theirs. */
+static void read_more_indices(struct making *m, const struct item *block, size_t n_things,
+                              bool is_uv)
+{
+    struct reader r;
+    struct indices x = { .m = m, .r = &r, .what = block->text, .n_things = n_things };
+    struct mesh_face *f = m->face.item;
+
+    reader_open(&r, m->lang, block->body);
+    struct loc at = reader_at(&r);
+    size_t n = read_count(m, &r, block->text);
+    reader_skip_comma(&r);
+    if (n > m->face.n || (is_uv && n != m->face.n))
+        diag_error(m->lang->diag, at, "%s has %zu entries for %zu faces", block->text, n, m->face.n);
+    unsigned errors = m->lang->diag->errors;
+    for (size_t i = 0; i < n && i < m->face.n && m->lang->diag->errors == errors; i++)
+        next_three(&x, n - i, is_uv ? f[i].uv : f[i].normal);
+    reader_close(&r);
+}
+
+static void read_textures(struct making *m, const struct item *block)
+{
+    struct reader r;
+
+    reader_open(&r, m->lang, block->body);
+    size_t n = read_count(m, &r, block->text);
+    for (size_t i = 0; i < n; i++) {
+        reader_skip_comma(&r);
+        if (!item_is_block(reader_peek(&r), "texture")) {
+            diag_error(m->lang->diag, reader_at(&r), "expected texture { } number %zu of %zu", i + 1, n);
+            break;
+        }
+        struct item t = reader_next(&r);
+        *(const struct texture **)push(m, &m->texture, sizeof(void *)) = build_texture(m->lang, &t);
+    }
+    reader_skip_comma(&r);
+    if (reader_peek(&r)->kind != ITEM_END)
+        build_unknown(m->lang, reader_peek(&r), block->text, NULL);
+    reader_close(&r);
+}
+
+/* Faces without indices of their own use the corners' numbers. */
+static void reuse_vertices(struct making *m, bool is_uv, size_t n_things)
+{
+    struct mesh_face *f = m->face.item;
+
+    for (size_t i = 0; i < m->face.n; i++)
+        for (int k = 0; k < 3; k++)
+            (is_uv ? f[i].uv : f[i].normal)[k] = n_things == 1 ? 0 : f[i].vertex[k];
+}
+
+static void fill_missing(struct making *m, const struct item *block)
+{
+    if (!m->has_uv_indices && m->uv.n > 0) {
+        if (m->uv.n != m->vertex.n && m->uv.n != 1)
+            build_wrong(m->lang, block, "uv_indices are missing: %zu uv_vectors for %zu vertices",
+                        m->uv.n, m->vertex.n);
+        else
+            reuse_vertices(m, true, m->uv.n);
+    }
+    if (!m->has_normal_indices && m->normal.n > 0) {
+        if (m->normal.n != m->vertex.n && m->normal.n != 1)
+            build_wrong(m->lang, block, "normal_indices are missing: %zu normals for %zu vertices",
+                        m->normal.n, m->vertex.n);
+        else
+            reuse_vertices(m, false, m->normal.n);
+    }
+}
+
+static void unit_normals(struct making *m, struct loc at)
+{
+    vec3 *n = m->normal.item;
+
+    for (size_t i = 0; i < m->normal.n; i++)
+        n[i] = unit_normal(m, at, n[i]);
+}
+
+static void warn_again(struct making *m, const struct item *i, bool *given)
+{
+    if (*given)
+        diag_warning(m->lang->diag, i->at, "%s again: it replaces the first", i->text);
+    *given = true;
+}
+
+/* Group 1, in any order; texture_list ends it. */
+static bool read_group_1(struct making *m, const struct item *i)
+{
+    if (item_is_block(i, "vertex_vectors")) {
+        warn_again(m, i, &m->has_vertices);
+        read_vectors(m, i, 3, &m->vertex);
+    } else if (item_is_block(i, "normal_vectors")) {
+        warn_again(m, i, &m->has_normals);
+        read_vectors(m, i, 3, &m->normal);
+        unit_normals(m, i->at);
+    } else if (item_is_block(i, "uv_vectors")) {
+        warn_again(m, i, &m->has_uvs);
+        read_vectors(m, i, 2, &m->uv);
+    } else
+        return false;
+    return true;
+}
+
+static bool take_block(struct reader *r, const char *word, struct item *i)
+{
+    if (!item_is_block(reader_peek(r), word))
+        return false;
+    *i = reader_next(r);
+    return true;
+}
+
+static void read_sections(struct making *m, struct reader *r, const struct item *block)
+{
+    struct item i = { 0 };
+
+    while (reader_peek(r)->kind == ITEM_BLOCK && read_group_1(m, reader_peek(r)))
+        reader_next(r);
+    if (m->vertex.n == 0)
+        build_wrong(m->lang, block, "mesh2 needs vertex_vectors first");
+    if (take_block(r, "texture_list", &i))
+        read_textures(m, &i);
+    if (!take_block(r, "face_indices", &i)) {
+        diag_error(m->lang->diag, reader_at(r), "expected face_indices in mesh2; found %s",
+                   item_describe(m->lang, reader_peek(r)));
+        return;
+    }
+    read_faces(m, &i);
+    if ((m->has_uv_indices = take_block(r, "uv_indices", &i)))
+        read_more_indices(m, &i, m->uv.n, true);
+    if ((m->has_normal_indices = take_block(r, "normal_indices", &i)))
+        read_more_indices(m, &i, m->normal.n, false);
+    if (reader_takes_word(r, "inside_vector"))
+        m->mesh->inside_vector = vec_unit(build_vector(r, false, "inside_vector"));
+}
+
+static bool out_of_order(struct reader *r, const struct item *i, void *arg)
+{
+    (void)arg;
+    if (i->kind != ITEM_BLOCK || !field_find(mesh_fields, i->word->text))
+        return false;
+    diag_error(r->lang->diag, i->at, "%s stands in the wrong place in mesh2", i->text);
+    diag_note(r->lang->diag, i->at, "the order is vertex_vectors, normal_vectors, uv_vectors, texture_list, "
+              "face_indices, uv_indices, normal_indices, inside_vector");
+    return true;
+}
+
+static struct object *make_mesh2(struct lang *l, struct reader *r, const struct item *block)
+{
+    struct making m = start(l, block);
+    unsigned errors = l->diag->errors;
+
+    read_sections(&m, r, block);
+    if (l->diag->errors == errors)
+        fill_missing(&m, block);
+    if (l->diag->errors != errors)      /* lists that do not fit together are not looked into */
+        m.face.n = 0;
+    complete(&m);
+    build_modifiers(r, m.object, block, out_of_order, NULL, NULL);
+    return m.object;
+}
+
+const struct special_shape mesh_shapes[] = {
+    { "mesh", make_mesh, "triangles" },
+    { "mesh2", make_mesh2, "triangles from lists" },
+    { .word = NULL },
+};

@@ -1,0 +1,74 @@
+/* build_shape.c: shapes that are a header of values and some words: all rows of
+ * shapes[]. */
+#include <string.h>
+
+#include "lang/build.h"
+
+/* Mistakes of POV-Ray's users that only cost them the object: facts sdl.md 8.2. */
+static bool only_warns(const char *shape)
+{
+    static const char *const words[] = { "triangle", "smooth_triangle", "polygon" };
+
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strcmp(shape, words[i]) == 0)
+            return true;
+    return false;
+}
+
+static void read_header(struct reader *r, const struct shape_ops *ops, void *self)
+{
+    size_t n = 0;
+
+    for (const struct field *f = ops->args; f && f->name; f++, n++) {
+        if (n > 0)
+            reader_skip_comma(r);
+        if (n >= ops->n_required && !reader_is_number(r))
+            return;
+        build_field(r, f, f->help ? f->help : ops->name, reader_at(r), self);
+    }
+}
+
+struct shape_body { const struct shape_ops *ops; void *self; };
+
+static bool read_shape_word(struct reader *r, const struct item *i, void *arg)
+{
+    const struct shape_body *b = arg;
+
+    return build_from_table(r, b->ops->words, i, b->self);
+}
+
+static void prepare(struct lang *l, struct object *o, const struct item *block, void *self)
+{
+    const char *wrong = o->ops->prepare ? o->ops->prepare(self, l->scene_mem) : NULL;
+
+    if (!wrong)
+        return;
+    if (only_warns(o->ops->name))
+        diag_warning(l->diag, block->at, "%s: %s; it is left out", o->ops->name, wrong);
+    else
+        build_wrong(l, block, "%s: %s", o->ops->name, wrong);
+    o->kind = OBJECT_UNION;             /* of nothing */
+    o->ops = NULL;
+    o->shape = NULL;
+    o->box = BOUNDS_EMPTY;
+}
+
+struct object *build_plain_shape(struct lang *l, struct reader *r, const struct item *block,
+                                 const struct shape_ops *ops)
+{
+    struct object *o = object_start(l, OBJECT_SHAPE, block->at);
+    void *self = arena_copy(l->scene_mem, ops->defaults, ops->size);
+    struct shape_body body = { ops, self };
+    const struct field *const tables[] = { ops->words, NULL };
+
+    o->ops = ops;
+    read_header(r, ops, self);
+    build_modifiers(r, o, block, read_shape_word, &body, tables);
+    prepare(l, o, block, self);
+    if (o->ops) {
+        o->shape = self;
+        o->box = object_bounds(o);
+    }
+    o->has_box = true;
+    return o;
+}
