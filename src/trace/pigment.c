@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "math/kernel.h"
+#include "math/noise.h"
 #include "trace/picture.h"
 
 /* ---- making ---- */
@@ -115,6 +116,18 @@ KERNEL static void move(const mat34 *m, int n, const double *restrict x, const d
     }
 }
 
+/* Stirs points by the vector noise; its numbers are single precision (patterns.md 0, 5.3). */
+static void stir(const struct turbulence *t, int n, double *x, double *y, double *z)
+{
+    for (int i = 0; i < n; i++) {
+        vec3 d = noise_vector_turbulence(vec(x[i], y[i], z[i]), t->octaves, (float)t->omega,
+                                         (float)t->lambda);
+        x[i] += t->amount.x * d.x;
+        y[i] += t->amount.y * d.y;
+        z[i] += t->amount.z * d.z;
+    }
+}
+
 void chain_walk(const struct chain *c, const struct spots *s, double *x, double *y,
                        double *z)
 {
@@ -130,6 +143,8 @@ void chain_walk(const struct chain *c, const struct spots *s, double *x, double 
     } else {
         move(&c->from, s->n, fx, fy, fz, x, y, z);
     }
+    if (c->has_turbulence)
+        stir(&c->turbulence, s->n, x, y, z);
 }
 
 /* The sine wave of patterns.md 3.1, where the sign of v counts. */
