@@ -159,8 +159,7 @@ static bool start(struct png_writer *w)
     return guarded_header(w);
 }
 
-/* The message outlives the writer: one of a few that never change would not
- * do, as it holds what the system says. */
+/* The message outlives the writer. */
 static const char *kept(const char *text)
 {
     static _Thread_local char copy[256];
@@ -278,7 +277,7 @@ bool png_rows(struct png_writer *w, unsigned count, const float *pixels, const c
 {
     bool done = guarded_rows(w, count, pixels);
 
-    *error = done ? NULL : w->error;
+    *error = done ? NULL : kept(w->error);
     return done;
 }
 
