@@ -1,0 +1,821 @@
+/* check_geometry.c: what must hold of trees, CSG, meshes and instances.
+ *
+ * The oracles: every leaf asked one after the other, and points asked by
+ * object_inside(), which knows nothing of the tracer. */
+#include <check.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "trace/surface.h"
+#include "trace/world.h"
+
+static struct arena mem;
+static struct scene scene;
+static uint64_t state;
+
+static void setup(void)
+{
+    arena_init(&mem, NULL);
+    scene_init(&scene, &mem);
+    state = 1;
+}
+
+static void teardown(void) { arena_free(&mem); }
+
+static double uniform(double low, double high)      /* splitmix64 */
+{
+    uint64_t z = (state += 0x9e3779b97f4a7c15u);
+
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return low + (high - low) * (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+static int below(int n) { return (int)uniform(0, n); }
+
+static vec3 in_cube(double side)
+{
+    double x = uniform(-side, side), y = uniform(-side, side), z = uniform(-side, side);
+    return vec(x, y, z);
+}
+
+static vec3 on_sphere(void)
+{
+    for (;;) {
+        vec3 v = in_cube(1);
+        if (vec_length(v) > 0.1 && vec_length(v) < 1)
+            return vec_unit(v);
+    }
+}
+
+static struct ray random_ray(double from, double to)
+{
+    vec3 o = vec_scale(on_sphere(), from);
+    return (struct ray) { o, vec_sub(in_cube(to), o) };
+}
+
+/* --- making objects -------------------------------------------------------- */
+
+static struct object *new_object(enum object_kind kind)
+{
+    struct object *o = arena_alloc(&mem, sizeof *o);
+
+    o->kind = kind;
+    o->place = transform_identity;
+    return o;
+}
+
+/* value: numbers for the arguments in order; a point takes three. */
+static struct object *shape(const char *name, const double value[])
+{
+    struct object *o = new_object(OBJECT_SHAPE);
+    void *self;
+
+    o->ops = shape_find(name);
+    self = arena_copy(&mem, o->ops->defaults, o->ops->size);
+    for (const struct field *f = o->ops->args; f && f->name && value; f++) {
+        int n = f->type == FIELD_POINT ? 3 : 1;
+        if (f - o->ops->args < (ptrdiff_t)o->ops->n_required)
+            memcpy((char *)self + f->offset, value, (size_t)n * sizeof *value);
+        value += n;
+    }
+    ck_assert_ptr_null(o->ops->prepare(self, &mem));
+    o->shape = self;
+    return o;
+}
+
+#define SHAPE(name, ...) shape(name, (const double[]) { __VA_ARGS__ })
+
+static struct object *sphere(vec3 c, double r) { return SHAPE("sphere", c.x, c.y, c.z, r); }
+
+static struct object *box(vec3 a, vec3 b)
+{
+    return SHAPE("box", a.x, a.y, a.z, b.x, b.y, b.z);
+}
+
+static struct object *group(enum object_kind kind, struct object *const child[], size_t n)
+{
+    struct object *o = new_object(kind);
+
+    o->child = arena_copy(&mem, child, n * sizeof *child);
+    o->n_child = n;
+    return o;
+}
+
+#define GROUP(kind, ...) group(kind, (struct object *const[]) { __VA_ARGS__ }, \
+                               sizeof((struct object *[]) { __VA_ARGS__ }) / sizeof(void *))
+
+static struct object *moved(struct object *o, struct transform t)
+{
+    struct object *copy = object_copy(&mem, o);
+
+    object_move(&mem, copy, &t);
+    return copy;
+}
+
+static struct transform turned(vec3 degrees, vec3 by)
+{
+    struct transform r = transform_rotate(degrees), t = transform_translate(by);
+    return transform_compose(&t, &r);
+}
+
+static struct object *random_shape(double spread, double size)
+{
+    vec3 c = in_cube(spread), d = vec_add(c, vec_scale(on_sphere(), size));
+    double r = size * uniform(0.1, 1);
+
+    switch (below(5)) {
+    case 0:  return sphere(c, r);
+    case 1:  return box(c, d);
+    case 2:  return SHAPE("cone", c.x, c.y, c.z, r, d.x, d.y, d.z, r / 3);
+    case 3:  return SHAPE("cylinder", c.x, c.y, c.z, d.x, d.y, d.z, r);
+    default: return moved(SHAPE("torus", size, size / 3), turned(in_cube(180), c));
+    }
+}
+
+static struct object *triangle(double spread, double size)
+{
+    vec3 a = in_cube(spread), b = vec_add(a, in_cube(size)), c = vec_add(a, in_cube(size));
+    return SHAPE("triangle", a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z);
+}
+
+/* A closed mesh of n x 2n steps about the origin. */
+static struct mesh *mesh_ball(int n, double radius)
+{
+    struct mesh *m = arena_alloc(&mem, sizeof *m);
+    int columns = 2 * n;
+    vec3 *v = arena_array(&mem, (size_t)(n + 1) * (size_t)columns, sizeof *v);
+
+    m->face = arena_array(&mem, (size_t)(2 * n * columns), sizeof *m->face);
+    m->vertex = v;
+    m->n_vertex = (size_t)(n + 1) * (size_t)columns;
+    m->inside_vector = vec(0.3, 1, 0.2);
+    for (int i = 0; i <= n; i++)
+        for (int k = 0; k < columns; k++) {
+            double polar = M_PI * i / n, around = 2 * M_PI * k / columns;
+            double s = i == 0 || i == n ? 0 : sin(polar);
+            v[i * columns + k] = vec(radius * s * cos(around), radius * cos(polar),
+                                     radius * s * sin(around));
+        }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < columns; k++) {
+            uint32_t a = (uint32_t)(i * columns + k), b = (uint32_t)(i * columns + (k + 1) % columns);
+            uint32_t c = a + (uint32_t)columns, d = b + (uint32_t)columns, no = MESH_NONE;
+            struct mesh_face none = { { 0, 0, 0 }, { no, no, no }, { no, no, no }, { no, no, no } };
+            if (i < n - 1) {
+                m->face[m->n_face] = none;
+                memcpy(m->face[m->n_face++].vertex, (uint32_t[]) { a, c, d }, 12);
+            }
+            if (i > 0) {
+                m->face[m->n_face] = none;
+                memcpy(m->face[m->n_face++].vertex, (uint32_t[]) { a, d, b }, 12);
+            }
+        }
+    m->box = (struct bounds) { vec(-radius, -radius, -radius), vec(radius, radius, radius) };
+    return m;
+}
+
+static struct object *mesh_object(const struct mesh *m)
+{
+    struct object *o = new_object(OBJECT_MESH);
+
+    o->mesh = m;
+    return o;
+}
+
+/* --- oracles --------------------------------------------------------------- */
+
+static void try_leaf(const struct plan *p, struct ray ray, uint32_t number, uint32_t instance,
+                     double far, struct meeting *best)
+{
+    const struct leaf *l = &p->leaf[number];
+    struct hit h[SHAPE_MOST_HITS];
+    unsigned long long unused = 0;
+    struct ray r = leaf_ray(l, ray);
+    int n = l->ops ? l->ops->hits(l->shape, r, h)
+                   : mesh_nearest(l->mesh, r, 0, INFINITY, h, &unused);
+
+    for (int i = 0; i < n; i++)
+        if (h[i].t > 0 && h[i].t < far && (best->leaf == NO_LEAF || h[i].t < best->t)) {
+            *best = (struct meeting) { h[i].t, h[i], number, instance, l->inverse };
+            return;
+        }
+}
+
+static void try_item(const struct plan *p, struct ray ray, uint32_t item, double far,
+                     struct meeting *best)
+{
+    if (item_kind(item) == ITEM_LEAF) {
+        try_leaf(p, ray, item_number(item), NO_INSTANCE, far, best);
+        return;
+    }
+    ck_assert_int_eq(item_kind(item), ITEM_INSTANCE);
+    const struct instance *in = &p->instance[item_number(item)];
+    const struct space *s = &p->geometry->space[in->root];
+    struct ray inner = placed_ray(&in->place, ray);
+    for (size_t i = 0; i < s->tree.n_item; i++)
+        try_leaf(p, inner, item_number(s->tree.item[i]), item_number(item), far, best);
+}
+
+/* Every leaf, one after the other. */
+static struct meeting brute(const struct plan *p, struct ray ray, double far)
+{
+    struct meeting best = { .leaf = NO_LEAF };
+    const struct space *s = &p->geometry->space[0];
+
+    for (size_t i = 0; i < s->n_unbounded; i++)
+        try_item(p, ray, s->unbounded[i], far, &best);
+    for (size_t i = 0; i < s->tree.n_item; i++)
+        try_item(p, ray, s->tree.item[i], far, &best);
+    return best;
+}
+
+static void same_as_brute(const struct plan *p, int rays, double from, double to)
+{
+    struct scratch *s = scratch_new(p, &mem);
+
+    for (int i = 0; i < rays; i++) {
+        struct ray ray = random_ray(from, to);
+        double far = i % 3 ? INFINITY : 1;
+        struct meeting m, b = brute(p, ray, far);
+        bool met = geometry_nearest(p, s, ray, far, RAY_PRIMARY, &m);
+        ck_assert_int_eq(met, b.leaf != NO_LEAF);
+        if (met)
+            ck_assert_msg(m.t == b.t, "ray %d: %.17g, not %.17g", i, m.t, b.t);
+        ck_assert_int_eq(geometry_blocked(p, s, ray, far, 0), met);
+    }
+}
+
+static struct plan *plan(void) { return plan_new(&scene, &mem, 2); }
+
+/* --- trees ----------------------------------------------------------------- */
+
+START_TEST(test_the_tree_finds_what_asking_every_leaf_finds)
+{
+    static const int sizes[] = { 1, 2, 7, 8, 9, 33, 300, 2000 };
+    static const double origins[] = { 0, 1e6, -1e12 };
+
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        teardown();
+        setup();
+        double far_off = origins[k % 3], size = 2 / cbrt(sizes[k]);
+        for (int i = 0; i < sizes[k]; i++) {
+            struct object *o = i % 3 ? random_shape(1, size) : triangle(1, size);
+            scene_add(&scene, moved(o, transform_translate(vec(far_off, 0, far_off / 3))));
+        }
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        for (int i = 0; i < 3000; i++) {
+            struct ray ray = random_ray(4, 1);
+            ray.origin = vec_add(ray.origin, vec(far_off, 0, far_off / 3));
+            struct meeting m, b = brute(p, ray, INFINITY);
+            geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m);
+            ck_assert_uint_eq(m.leaf, b.leaf);
+            if (m.leaf != NO_LEAF)
+                ck_assert(m.t == b.t);
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_a_ray_of_any_length_and_origin_meets_the_same)
+{
+    for (int i = 0; i < 200; i++)
+        scene_add(&scene, random_shape(1, 0.2));
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < 3000; i++) {
+        struct ray ray = random_ray(pow(10, uniform(0, 9)), 1);
+        ray.dir = vec_scale(ray.dir, ldexp(1, below(200) - 100));
+        if (i % 5 == 0)
+            ray.dir = vec(i % 2 ? 0.0 : -0.0, ray.dir.y, 0);
+        struct meeting m, b = brute(p, ray, INFINITY);
+        geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m);
+        ck_assert_uint_eq(m.leaf, b.leaf);
+    }
+}
+END_TEST
+
+START_TEST(test_scaling_by_two_to_the_k_changes_no_bit)
+{
+    static const int exponents[] = { -100, -7, 1, 100 };
+    struct object *o[100];
+    struct meeting met[500];
+
+    for (int i = 0; i < 100; i++)
+        o[i] = random_shape(1, 0.3);
+    for (int k = -1; k < 4; k++) {
+        double by = k < 0 ? 1 : ldexp(1, exponents[k]);
+        scene_init(&scene, &mem);
+        for (int i = 0; i < 100; i++)
+            scene_add(&scene, moved(o[i], transform_scale(vec(by, by, by))));
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        state = 7;
+        for (int i = 0; i < 500; i++) {
+            struct ray ray = random_ray(3, 1);
+            struct meeting m;
+            ray.origin = vec_scale(ray.origin, by);
+            ray.dir = vec_scale(ray.dir, by);
+            geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m);
+            if (k >= 0) {
+                ck_assert_uint_eq(m.leaf, met[i].leaf);
+                ck_assert(m.leaf == NO_LEAF || m.t == met[i].t);
+            }
+            met[i] = m;
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_rays_at_edges_and_corners_of_stacked_boxes_never_slip_through)
+{
+    enum { N = 6 };
+    struct meeting m;
+
+    for (int i = 0; i < N * N * N; i++) {
+        vec3 a = vec(i % N, i / N % N, i / N / N);
+        scene_add(&scene, box(vec_scale(a, 0.1), vec_scale(vec_add(a, vec(1, 1, 1)), 0.1)));
+    }
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < 100000; i++) {
+        vec3 to = vec(0.1 * (1 + below(N - 1)), 0.1 * (1 + below(N - 1)), 0.1 * (1 + below(N - 1)));
+        if (i % 2)
+            to.x = uniform(0.1, 0.5);
+        vec3 from = vec_add(vec(0.3, 0.3, 0.3), vec_scale(on_sphere(), 3));
+        if (i % 7 == 0)
+            from = vec(to.x, to.y, -2);
+        struct ray ray = { from, vec_sub(to, from) };
+        ck_assert(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m));
+        ck_assert(m.t < 1);
+    }
+}
+END_TEST
+
+START_TEST(test_any_number_of_threads_builds_the_same_tree)
+{
+    for (int i = 0; i < 20000; i++)
+        scene_add(&scene, sphere(in_cube(1), 0.01));
+    struct plan *one = plan_new(&scene, &mem, 1), *five = plan_new(&scene, &mem, 5);
+    const struct bvh *a = &one->geometry->space[0].tree, *b = &five->geometry->space[0].tree;
+    ck_assert_uint_eq(a->n_node, b->n_node);
+    ck_assert_int_eq(memcmp(a->node, b->node, a->n_node * sizeof *a->node), 0);
+    ck_assert_int_eq(memcmp(a->item, b->item, a->n_item * sizeof *a->item), 0);
+}
+END_TEST
+
+START_TEST(test_a_sphere_costs_at_most_100_bytes)
+{
+    enum { N = 20000 };
+
+    for (int i = 0; i < N; i++)
+        scene_add(&scene, sphere(in_cube(1), 0.01));
+    struct arena own;
+    arena_init(&own, NULL);
+    plan_new(&scene, &own, 1);
+    size_t size = arena_size(&own);
+    arena_free(&own);
+    ck_assert_msg(size <= 100 * N, "%zu bytes a sphere", size / N);
+}
+END_TEST
+
+START_TEST(test_equal_things_are_met_in_the_order_of_their_listing)
+{
+    struct meeting m;
+
+    for (int i = 0; i < 40; i++)
+        scene_add(&scene, sphere(vec(0, 0, 0), 1));
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    struct ray ray = { vec(0, 0, -3), vec(0, 0, 1) };
+    ck_assert(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m));
+    ck_assert_uint_eq(m.leaf, 0);
+}
+END_TEST
+
+/* --- instances and inheritance --------------------------------------------- */
+
+START_TEST(test_a_union_placed_often_is_stored_once)
+{
+    struct object *child[50], *copy;
+
+    for (int i = 0; i < 50; i++)
+        child[i] = random_shape(1, 0.2);
+    struct object *u = group(OBJECT_UNION, child, 50);
+    for (int i = 0; i < 60; i++) {
+        copy = moved(u, turned(in_cube(180), in_cube(5)));
+        scene_add(&scene, copy);
+    }
+    struct plan *p = plan();
+    ck_assert_uint_eq(p->n_instance, 60);
+    ck_assert_uint_eq(p->n_leaf, 50);
+    same_as_brute(p, 2000, 12, 5);
+}
+END_TEST
+
+START_TEST(test_instances_may_differ_in_their_texture)
+{
+    struct object *child[50], *copy;
+
+    for (int i = 0; i < 50; i++)
+        child[i] = random_shape(1, 0.2);
+    struct object *u = group(OBJECT_UNION, child, 50);
+    for (int i = 0; i < 40; i++) {
+        struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
+        struct pigment *g = arena_copy(&mem, t->pigment, sizeof *g);
+        g->colour.r = (float)i;
+        t->pigment = g;
+        copy = moved(u, turned(in_cube(180), in_cube(5)));
+        copy->texture = t;
+        scene_add(&scene, copy);
+    }
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    ck_assert_uint_eq(p->n_leaf, 50);
+    for (int i = 0; i < 500; i++) {
+        struct ray ray = random_ray(12, 5);
+        struct meeting m;
+        struct surface_point at;
+        if (!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m))
+            continue;
+        geometry_point(p, ray, &m, &at);
+        ck_assert_int_eq((int)p->surface[at.surface].texture->pigment->colour.r, (int)m.instance);
+    }
+}
+END_TEST
+
+/* --- meshes ---------------------------------------------------------------- */
+
+START_TEST(test_nothing_leaks_from_a_closed_mesh)
+{
+    struct mesh *ball = mesh_ball(24, 1);
+    vec3 off = vec(1e5, -3e4, 7);
+
+    scene_add(&scene, moved(mesh_object(ball), transform_translate(off)));
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < 100000; i++) {
+        const struct mesh_face *f = &ball->face[below((int)ball->n_face)];
+        double mix = i % 2 ? 0 : uniform(0, 1);
+        vec3 a = ball->vertex[f->vertex[0]], b = ball->vertex[f->vertex[1]];
+        vec3 to = vec_add(off, vec_add(vec_scale(a, 1 - mix), vec_scale(b, mix)));
+        vec3 from = vec_add(off, in_cube(0.5));
+        struct meeting m;
+        struct ray ray = { from, vec_sub(to, from) };
+        ck_assert(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m));
+    }
+}
+END_TEST
+
+START_TEST(test_a_mesh_is_met_where_asking_every_face_meets_it)
+{
+    struct mesh *ball = mesh_ball(20, 1);
+
+    scene_add(&scene, moved(mesh_object(ball), turned(in_cube(90), in_cube(1))));
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < 2000; i++) {
+        struct ray ray = random_ray(4, 2), r = leaf_ray(&p->leaf[0], ray);
+        struct meeting m;
+        double best = INFINITY;
+        for (size_t k = 0; k < ball->n_face; k++) {
+            struct object *t;
+            vec3 c[3];
+            for (int j = 0; j < 3; j++)
+                c[j] = ball->vertex[ball->face[k].vertex[j]];
+            t = SHAPE("triangle", c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y,
+                      c[2].z);
+            struct hit h;
+            if (t->ops->nearest(t->shape, r, 0, best, &h))
+                best = h.t;
+        }
+        ck_assert_int_eq(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m), best < INFINITY);
+        if (best < INFINITY)
+            ck_assert(m.t == best);
+        if (i % 100 == 0) {             /* the triangles above are many */
+            struct plan *keep = p;
+            (void)keep;
+        }
+    }
+}
+END_TEST
+
+/* --- CSG ------------------------------------------------------------------- */
+
+static struct object *random_csg(int depth)
+{
+    static const enum object_kind kinds[] = { OBJECT_MERGE, OBJECT_INTERSECTION,
+                                              OBJECT_DIFFERENCE };
+    struct object *child[3], *o;
+    int n = 2 + below(2);
+
+    if (depth == 0) {
+        o = random_shape(0.7, 1.2);
+    } else {
+        for (int i = 0; i < n; i++)
+            child[i] = random_csg(depth - 1);
+        o = group(kinds[below(3)], child, (size_t)n);
+    }
+    if (below(6) == 0)
+        o->flags ^= OBJECT_INVERSE;
+    if (below(4) == 0)
+        o = moved(o, turned(in_cube(180), in_cube(0.3)));
+    return o;
+}
+
+/* How far a ray may be trusted to have been decided apart from rounding. */
+static const double step = 1e-7;
+
+START_TEST(test_csg_shows_exactly_where_its_inside_begins_and_ends)
+{
+    int met = 0;
+
+    for (int round = 0; round < 300; round++) {
+        struct object *o = random_csg(1 + below(3));
+        scene_init(&scene, &mem);
+        scene_add(&scene, o->kind == OBJECT_SHAPE ? GROUP(OBJECT_MERGE, o) : o);
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        for (int i = 0; i < 60; i++) {
+            struct ray ray = random_ray(4, 1);
+            struct meeting m;
+            double end = 2;
+            bool first = object_inside(o, ray.origin);
+            if (geometry_nearest(p, s, ray, 2, RAY_PRIMARY, &m)) {
+                vec3 before = ray_at(ray, m.t - step), after = ray_at(ray, m.t + step);
+                ck_assert_int_ne(object_inside(o, before), object_inside(o, after));
+                end = m.t - step;
+                met++;
+            }
+            for (int k = 0; k < 40; k++)
+                ck_assert_int_eq(object_inside(o, ray_at(ray, uniform(0, end))), first);
+        }
+    }
+    ck_assert_int_gt(met, 2000);
+}
+END_TEST
+
+START_TEST(test_csg_normals_point_out_of_the_solid)
+{
+    for (int round = 0; round < 100; round++) {
+        struct object *o = random_csg(2);
+        scene_init(&scene, &mem);
+        scene_add(&scene, o);
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        for (int i = 0; i < 30; i++) {
+            struct ray ray = random_ray(4, 1);
+            struct meeting m;
+            struct surface_point at;
+            if (!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m))
+                continue;
+            geometry_point(p, ray, &m, &at);
+            bool enters = object_inside(o, ray_at(ray, m.t + step));
+            ck_assert_int_eq(vec_dot(at.normal, ray.dir) < 0, enters);
+        }
+    }
+}
+END_TEST
+
+/* A hole through o along x, y or z, whose cutter ends in o's own face. */
+static void no_film(struct object *o, vec3 hole_from, vec3 hole_to, double radius)
+{
+    scene_init(&scene, &mem);
+    scene_add(&scene, o);
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    vec3 axis = vec_unit(vec_sub(hole_to, hole_from));
+    for (int i = 0; i < 20000; i++) {
+        vec3 across = vec_unit(vec_cross(axis, on_sphere()));
+        vec3 through = vec_fma(hole_from, radius * uniform(0, 1), across);
+        vec3 from = vec_add(through, vec_sub(vec_scale(axis, -3), in_cube(0.2)));
+        vec3 other = vec_add(vec_fma(hole_to, radius * uniform(0, 1), across), in_cube(0));
+        struct ray ray = { through, vec_sub(other, through) };
+        struct meeting m;
+        ray.origin = vec_fma(through, -1.5, ray.dir);
+        (void)from;
+        ck_assert_msg(!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m),
+                      "ray %d stopped at %.17g", i, m.t);
+    }
+}
+
+START_TEST(test_coincident_faces_leave_no_film)
+{
+    static const vec3 turns[] = { { 0, 0, 0 }, { 31, 47, 11 } };
+    static const vec3 by[] = { { 0, 0, 0 }, { 1e4, -3e3, 7 } };
+
+    for (int k = 0; k < 4; k++) {
+        struct transform t = turned(turns[k & 1], by[k >> 1]);
+        vec3 a = mat_point(&t.to, vec(0, 0, 0)), b = mat_point(&t.to, vec(0, 0, 1));
+        struct object *block = box(vec(-1, -1, 0), vec(1, 1, 1));
+        struct object *square = box(vec(-.5, -.5, 0), vec(.5, .5, 1));
+        struct object *round = SHAPE("cylinder", 0, 0, 0, 0, 0, 1, .5);
+        struct object *rod = SHAPE("cylinder", 0, 0, 0, 0, 0, 1, 1);
+        no_film(moved(GROUP(OBJECT_DIFFERENCE, block, square), t), a, b, 0.49);
+        no_film(moved(GROUP(OBJECT_DIFFERENCE, block, round), t), a, b, 0.49);
+        no_film(moved(GROUP(OBJECT_DIFFERENCE, rod, round), t), a, b, 0.49);
+    }
+}
+END_TEST
+
+START_TEST(test_coincident_faces_of_differing_transforms_leave_no_film)
+{
+    static const vec3 by[] = { { 0, 0, 0 }, { 1e4, -3e3, 7 } };
+
+    for (int k = 0; k < 2; k++) {
+        struct transform t = turned(vec(31, 47, 11), by[k]);
+        struct transform u = transform_rotate(vec(31, 0, 0)), v = transform_rotate(vec(0, 47, 0)),
+                         w = turned(vec(0, 0, 11), by[k]);
+        vec3 a = mat_point(&t.to, vec(0, 0, 0)), b = mat_point(&t.to, vec(0, 0, 1));
+        struct object *block = moved(box(vec(-1, -1, 0), vec(1, 1, 1)), t);
+        struct object *rod = moved(SHAPE("cylinder", 0, 0, 0, 0, 0, 1, 1), t);
+        struct object *square = box(vec(-.5, -.5, 0), vec(.5, .5, 1));
+        struct object *round = SHAPE("cylinder", 0, 0, 0, 0, 0, 1, .5);
+        square = moved(moved(moved(square, u), v), w);
+        round = moved(moved(moved(round, u), v), w);
+        no_film(GROUP(OBJECT_DIFFERENCE, block, square), a, b, 0.49);
+        no_film(GROUP(OBJECT_DIFFERENCE, block, round), a, b, 0.49);
+        no_film(GROUP(OBJECT_DIFFERENCE, rod, round), a, b, 0.49);
+    }
+}
+END_TEST
+
+START_TEST(test_a_solid_less_itself_is_nothing_and_with_itself_is_itself)
+{
+    for (int round = 0; round < 200; round++) {
+        struct object *o = random_shape(0.5, 1);
+        scene_init(&scene, &mem);
+        scene_add(&scene, GROUP(OBJECT_DIFFERENCE, o, o));
+        struct plan *none = plan();
+        scene_init(&scene, &mem);
+        scene_add(&scene, o);
+        struct plan *plain = plan();
+        scene_init(&scene, &mem);
+        scene_add(&scene, GROUP(round % 2 ? OBJECT_INTERSECTION : OBJECT_MERGE, o, o));
+        struct plan *same = plan();
+        struct scratch *a = scratch_new(none, &mem), *b = scratch_new(plain, &mem),
+                       *c = scratch_new(same, &mem);
+        for (int i = 0; i < 100; i++) {
+            struct ray ray = random_ray(3, 1);
+            struct meeting m, n;
+            ck_assert(!geometry_nearest(none, a, ray, INFINITY, RAY_PRIMARY, &m));
+            bool met = geometry_nearest(plain, b, ray, INFINITY, RAY_PRIMARY, &m);
+            ck_assert_int_eq(geometry_nearest(same, c, ray, INFINITY, RAY_PRIMARY, &n), met);
+            if (met) {
+                ck_assert(m.t == n.t);
+                ck_assert_uint_eq(n.leaf, 1);       /* the last listed */
+            }
+        }
+    }
+}
+END_TEST
+
+static int crossings_of(struct object *o, struct ray ray)
+{
+    struct csg_scratch s;
+    unsigned long long unused = 0;
+    int n = 0;
+    struct meeting m;
+
+    scene_init(&scene, &mem);
+    scene_add(&scene, o);
+    struct plan *p = plan();
+    struct scratch *scratch = scratch_new(p, &mem);
+    (void)s;
+    (void)unused;
+    while (geometry_nearest(p, scratch, ray, INFINITY, RAY_PRIMARY, &m)) {
+        struct surface_point at;
+        geometry_point(p, ray, &m, &at);
+        double side = vec_dot(at.normal, ray.dir) > 0 ? 1 : -1;
+        ray.origin = vec_fma(at.point, side * at.slack, at.normal);
+        n++;
+    }
+    return n;
+}
+
+START_TEST(test_unions_show_inner_surfaces_and_merges_do_not)
+{
+    struct object *a = sphere(vec(-.5, 0, 0), 1), *b = sphere(vec(.5, 0, 0), 1);
+    struct object *all = sphere(vec(0, 0, 0), 9);
+    struct ray ray = { vec(-5, .1, .1), vec(1, 0, 0) };
+
+    ck_assert_int_eq(crossings_of(GROUP(OBJECT_UNION, a, b), ray), 4);
+    ck_assert_int_eq(crossings_of(GROUP(OBJECT_MERGE, a, b), ray), 2);
+    ck_assert_int_eq(crossings_of(GROUP(OBJECT_INTERSECTION, GROUP(OBJECT_UNION, a, b), all), ray), 4);
+    ck_assert_int_eq(crossings_of(GROUP(OBJECT_INTERSECTION, GROUP(OBJECT_MERGE, a, b), all), ray), 2);
+}
+END_TEST
+
+START_TEST(test_a_ray_leaves_and_enters_glass_walls_of_any_thickness)
+{
+    for (int e = 0; e > -14; e--) {
+        double h = pow(10, e);
+        struct object *pane = box(vec(-9, -9, 0), vec(9, 9, h));
+        ck_assert_int_eq(crossings_of(pane, (struct ray) { vec(.3, .2, -1), vec(.2, .1, 1) }), 2);
+    }
+}
+END_TEST
+
+START_TEST(test_clipping_leaves_a_shell_without_a_cap)
+{
+    struct object *o = sphere(vec(0, 0, 0), 1);
+    const struct object *half = SHAPE("plane", 0, 1, 0, 0);
+
+    o->clip = &half;
+    o->n_clip = 1;
+    ck_assert_int_eq(crossings_of(o, (struct ray) { vec(.1, 5, .1), vec(0, -1, 0) }), 1);
+    ck_assert_int_eq(crossings_of(o, (struct ray) { vec(-5, -.5, .1), vec(1, 0, 0) }), 2);
+    ck_assert_int_eq(crossings_of(o, (struct ray) { vec(-5, .5, .1), vec(1, 0, 0) }), 0);
+}
+END_TEST
+
+START_TEST(test_patches_in_an_intersection_count_where_the_others_are)
+{
+    struct object *disc = SHAPE("disc", 0, 0, 0, 0, 1, 0, 3);
+    struct object *ball = sphere(vec(0, 0, 0), 1);
+    struct object *both = GROUP(OBJECT_INTERSECTION, ball, disc);
+    struct ray down = { vec(.2, 5, .1), vec(0, -1, 0) };
+
+    /* the disc's inside is all that is behind it */
+    ck_assert_int_eq(crossings_of(both, down), 2);
+    down.origin.x = 2;
+    ck_assert_int_eq(crossings_of(both, down), 0);
+}
+END_TEST
+
+START_TEST(test_a_difference_with_thousands_of_cutters_is_right)
+{
+    struct object *child[2001];
+
+    child[0] = box(vec(-1, -1, -1), vec(1, 1, 1));
+    for (int i = 1; i <= 2000; i++)
+        child[i] = sphere(in_cube(1), 0.08);
+    struct object *o = group(OBJECT_DIFFERENCE, child, 2001);
+    scene_add(&scene, o);
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < 1000; i++) {
+        struct ray ray = random_ray(4, 1);
+        struct meeting m;
+        if (geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m)) {
+            ck_assert(!object_inside(o, ray_at(ray, m.t - step)));
+            ck_assert(object_inside(o, ray_at(ray, m.t + step)));
+        }
+    }
+}
+END_TEST
+
+START_TEST(test_a_mesh_with_an_inside_cuts_like_the_ball_it_is)
+{
+    struct object *ball = mesh_object(mesh_ball(24, 1));
+    struct object *o = GROUP(OBJECT_DIFFERENCE, box(vec(-2, -2, -2), vec(2, 2, 0)), ball);
+    struct ray ray = { vec(.1, .2, 5), vec(0, 0, -1) };
+    struct meeting m;
+
+    scene_add(&scene, o);
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    ck_assert(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m));
+    ck_assert(m.t > 5.9 && m.t < 6);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("geometry");
+    TCase *tc = tcase_create("claims");
+
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_set_timeout(tc, 120);
+    tcase_add_test(tc, test_the_tree_finds_what_asking_every_leaf_finds);
+    tcase_add_test(tc, test_a_ray_of_any_length_and_origin_meets_the_same);
+    tcase_add_test(tc, test_scaling_by_two_to_the_k_changes_no_bit);
+    tcase_add_test(tc, test_rays_at_edges_and_corners_of_stacked_boxes_never_slip_through);
+    tcase_add_test(tc, test_any_number_of_threads_builds_the_same_tree);
+    tcase_add_test(tc, test_a_sphere_costs_at_most_100_bytes);
+    tcase_add_test(tc, test_equal_things_are_met_in_the_order_of_their_listing);
+    tcase_add_test(tc, test_a_union_placed_often_is_stored_once);
+    tcase_add_test(tc, test_instances_may_differ_in_their_texture);
+    tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);
+    tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
+    tcase_add_test(tc, test_csg_shows_exactly_where_its_inside_begins_and_ends);
+    tcase_add_test(tc, test_csg_normals_point_out_of_the_solid);
+    tcase_add_test(tc, test_coincident_faces_leave_no_film);
+    tcase_add_test(tc, test_coincident_faces_of_differing_transforms_leave_no_film);
+    tcase_add_test(tc, test_a_solid_less_itself_is_nothing_and_with_itself_is_itself);
+    tcase_add_test(tc, test_unions_show_inner_surfaces_and_merges_do_not);
+    tcase_add_test(tc, test_a_ray_leaves_and_enters_glass_walls_of_any_thickness);
+    tcase_add_test(tc, test_clipping_leaves_a_shell_without_a_cap);
+    tcase_add_test(tc, test_patches_in_an_intersection_count_where_the_others_are);
+    tcase_add_test(tc, test_a_difference_with_thousands_of_cutters_is_right);
+    tcase_add_test(tc, test_a_mesh_with_an_inside_cuts_like_the_ball_it_is);
+    suite_add_tcase(suite, tc);
+
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
