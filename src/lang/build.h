@@ -204,7 +204,7 @@ void object_close(struct lang *l, struct object *o, const struct item *block);
 struct special_shape {
     const char *word;
     struct object *(*make)(struct lang *l, struct reader *r, const struct item *block);
-    const char *help;
+    bool until_row;                     /* only as long as shapes[] has no such row */
 };
 extern const struct special_shape special_shapes[], mesh_shapes[], csg_shapes[];
 struct object *build_plain_shape(struct lang *l, struct reader *r, const struct item *block,

@@ -123,11 +123,11 @@ static struct object *make_group(struct lang *l, struct reader *r, const struct 
 }
 
 const struct special_shape csg_shapes[] = {
-    { "union", make_union, "objects together" },
-    { "composite", make_union, "old word for union" },
-    { "merge", make_merge, "objects together without inner surfaces" },
-    { "intersection", make_intersection, "what objects have in common" },
-    { "difference", make_difference, "the first object without the others" },
-    { "light_group", make_group, "objects with lights of their own" },
+    { "union", make_union, false },
+    { "composite", make_union, false },
+    { "merge", make_merge, false },
+    { "intersection", make_intersection, false },
+    { "difference", make_difference, false },
+    { "light_group", make_group, false },
     { .word = NULL },
 };

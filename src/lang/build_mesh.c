@@ -281,7 +281,8 @@ static void read_vectors(struct making *m, const struct item *block, int compone
         size_t most = n - list->n < MOST_AT_ONCE ? n - list->n : MOST_AT_ONCE;
         size_t got = reader_bulk(&r, components, most, bulk);
         if (got == 0) {
-            reader_vector(&r, false, components, bulk, block->text);
+            if (!reader_vector(&r, false, components, bulk, block->text))
+                break;
             reader_skip_comma(&r);
             got = 1;
         }
@@ -540,7 +541,7 @@ static struct object *make_mesh2(struct lang *l, struct reader *r, const struct 
 }
 
 const struct special_shape mesh_shapes[] = {
-    { "mesh", make_mesh, "triangles" },
-    { "mesh2", make_mesh2, "triangles from lists" },
+    { "mesh", make_mesh, false },
+    { "mesh2", make_mesh2, false },
     { .word = NULL },
 };

@@ -412,7 +412,7 @@ static struct object *any(struct lang *l, struct reader *r, const struct item *b
 
     if (strcmp(block->word->text, "object") == 0 || item_is_thing(reader_peek(r), VALUE_OBJECT))
         return wrapped(l, r, block);
-    if (special)
+    if (special && !(special->until_row && block->word->shape))
         return special->make(l, r, block);
     return build_plain_shape(l, r, block, block->word->shape);
 }
