@@ -18,19 +18,19 @@ static double triangular(const void *self, vec3 p)
 {
     const double root = sqrt(3), half = root / 2;
     double x = p.x - 3 * floor(p.x / 3), z = p.z - root * floor(p.z / root);
-    int a = (int)floor(x) % 3, kind;
     bool upper = z >= half;
 
     (void)self;
-    x -= floor(x);
+    if (!(x < 3 && z < root))           /* too far away to have a place */
+        return 0;
+    int a = (int)floor(x), kind;
+    x -= a;
     if (upper)
         z = root - z;
     if (z < root * x && z < root * (1 - x))
         kind = (6 - 2 * a) % 6;
     else
         kind = ((x == 0 || z >= root * x ? 1 : 3) + 2 * a) % 6;
-    if (z < root * x && !(z < root * (1 - x)))
-        kind = (3 + 2 * a) % 6;
     return upper ? 5 - kind : kind;
 }
 
@@ -51,13 +51,8 @@ static double cubic(const void *self, vec3 p)
     return p.y < 0 && y >= x && y >= z ? 4 : 5;
 }
 
-static double triangular_checked(const void *self, vec3 p)
-{
-    return isfinite(p.x) && isfinite(p.z) ? triangular(self, p) : 0;
-}
-
 POINTWISE(square_values, square)
-POINTWISE(triangular_values, triangular_checked)
+POINTWISE(triangular_values, triangular)
 POINTWISE(cubic_values, cubic)
 
 const struct pattern_ops pattern_square = {

@@ -10,9 +10,11 @@ static double at(const void *self, vec3 p)
     static const int slanted[2][6] = { { 0, 2, 1, 0, 2, 1 }, { 2, 1, 0, 2, 1, 0 } };
     double x = floored_mod(2 * fabs(p.x), 6);
     double z = floored_mod((p.z < 0 ? 5.196152424 - fabs(p.z) : p.z) / 0.866025404, 6);
-    int a = (int)floor(x), b = (int)floor(z) % 6;
 
     (void)self;
+    if (!(x < 6 && z < 6))              /* too far away to have a place */
+        return 0;
+    int a = (int)floor(x), b = (int)floor(z);
     if (a == 0 || a == 5)
         return straight[0][b];
     if (a == 2 || a == 3)
@@ -25,13 +27,7 @@ static double at(const void *self, vec3 p)
     return slanted[along / across < 1 ? 0 : 1][b];
 }
 
-/* What is not finite has no place in the tables. */
-static double checked(const void *self, vec3 p)
-{
-    return isfinite(p.x) && isfinite(p.z) ? at(self, p) : 0;
-}
-
-POINTWISE(values, checked)
+POINTWISE(values, at)
 
 const struct pattern_ops pattern_hexagon = {
     .name = "hexagon", .help = "hexagons of three kinds", .n_list = 3, .values = values,

@@ -8,16 +8,17 @@ static double marble(const void *self, vec3 p)
     return b->turbulence.x == 0 ? p.x : p.x + b->turbulence.x * block_turbulence(b, p);
 }
 
-/* The first component of the amount serves both axes. */
+/* Each axis has its own component of the amount: POV-Ray's values say so,
+ * and not what facts patterns.md 3.35 says. */
 static double wood(const void *self, vec3 p)
 {
     const struct pattern_block *b = self;
-    double t = b->turbulence.x;
 
     if (vec_largest(b->turbulence) == 0)
         return sqrt(p.x * p.x + p.y * p.y);
     vec3 w = noise_vector_turbulence(p, b->octaves, b->omega, b->lambda);
-    double x = p.x + cycle((p.x + w.x) * t), y = p.y + cycle((p.y + w.y) * t);
+    double x = p.x + cycle((p.x + w.x) * b->turbulence.x);
+    double y = p.y + cycle((p.y + w.y) * b->turbulence.y);
     return sqrt(x * x + y * y);
 }
 
