@@ -11,6 +11,7 @@
 #include "trace/light.h"
 #include "trace/picture.h"
 #include "trace/program.h"
+#include "trace/render.h"
 #include "trace/wave.h"
 
 static struct arena mem;
@@ -327,8 +328,159 @@ START_TEST(test_a_wave_keeps_what_was_pushed)
 }
 END_TEST
 
+/* ---- whole pictures ---- */
+
+static const struct texture *texture_with(colour c, struct finish finish)
+{
+    struct pigment *p = arena_copy(&mem, &pigment_default, sizeof *p);
+    struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
+
+    p->colour = c;
+    p->place = transform_identity;
+    t->pigment = p;
+    t->finish = arena_copy(&mem, &finish, sizeof finish);
+    t->place = transform_identity;
+    return t;
+}
+
+static struct object *shape_object(const char *name, struct transform place,
+                                   const struct texture *texture)
+{
+    const struct shape_ops *ops = shape_find(name);
+    void *shape = arena_copy(&mem, ops->defaults, ops->size);
+    struct object *o = arena_alloc(&mem, sizeof *o);
+
+    ck_assert_ptr_null(ops->prepare(shape, &mem));
+    *o = (struct object) { .kind = OBJECT_SHAPE, .ops = ops, .shape = shape, .place = place,
+                           .texture = texture };
+    return o;
+}
+
+/* Mirrors and glass over a plane, so that waves are deep and mixed. */
+static void build_scene(struct scene *s)
+{
+    unsigned seed = 3;
+    struct finish shiny = finish_default;
+    struct interior glass = interior_default;
+
+    scene_init(s, &mem);
+    s->settings = settings_default;
+    s->camera = plain_camera(CAMERA_PERSPECTIVE);
+    s->camera.location = vec(0, 1, -5);
+    s->has_background = true;
+    s->background = (colour) { 0.2f, 0.4f, 0.6f, 0, 0 };
+    struct light l = light_default;
+    l.centre = vec(4, 8, -6);
+    l.colour = rgb_of(1, 1, 1);
+    scene_add_light(s, &l);
+    shiny.reflection.low = shiny.reflection.high = rgb_of(0.5f, 0.5f, 0.5f);
+    shiny.specular = 0.5;
+    glass.ior = 1.5;
+    scene_add(s, shape_object("plane", transform_identity,
+                              texture_with((colour) { .8f, .7f, .6f, 0, 0 }, finish_default)));
+    for (int i = 0; i < 40; i++) {
+        struct transform move = transform_translate(vec(random_in(&seed, -3, 3),
+                                                        random_in(&seed, 0, 3),
+                                                        random_in(&seed, 0, 4)));
+        struct transform size = transform_scale(vec(.4, .4, .4));
+        colour c = { (float)random_in(&seed, 0, 1), .5f, .8f, i % 3 ? 0 : .8f, 0 };
+        struct object *o = shape_object("sphere", transform_compose(&move, &size),
+                                        texture_with(c, i % 2 ? shiny : finish_default));
+        if (i % 3 == 0)
+            o->interior = arena_copy(&mem, &glass, sizeof glass);
+        scene_add(s, o);
+    }
+}
+
+struct sheet { float *pixels; unsigned width, rows, stop_at; };
+
+static bool keep_rows(void *arg, unsigned first, unsigned count, const float *pixels)
+{
+    struct sheet *s = arg;
+
+    ck_assert_uint_eq(first, s->rows);
+    memcpy(s->pixels + (size_t)first * s->width * 4, pixels, (size_t)count * s->width * 4 * 4);
+    s->rows += count;
+    return s->stop_at == 0 || s->rows < s->stop_at;
+}
+
+static struct sheet render_part(const struct plan *p, unsigned x, unsigned y, unsigned width,
+                                unsigned height, unsigned threads, unsigned stop_at)
+{
+    struct sheet s = { arena_array(&mem, (size_t)width * height * 4, sizeof(float)), width, 0,
+                       stop_at };
+    struct render_options o = { .width = 150, .height = 101, .crop_x = x, .crop_y = y,
+                                .crop_width = width, .crop_height = height, .samples_side = 2,
+                                .threads = threads, .rows = keep_rows, .arg = &s };
+    struct render_stats stats;
+
+    ck_assert(render(p, &o, &stats) == (stop_at == 0));
+    ck_assert_uint_ge(s.rows, stats.rows_done);
+    return s;
+}
+
+START_TEST(test_threads_do_not_change_a_bit)
+{
+    struct scene scene;
+
+    build_scene(&scene);
+    struct plan *p = plan_new(&scene, &mem, 1);
+    struct sheet one = render_part(p, 0, 0, 150, 101, 1, 0);
+    for (unsigned threads = 2; threads < 6; threads++) {
+        struct sheet many = render_part(p, 0, 0, 150, 101, threads, 0);
+        ck_assert_int_eq(memcmp(one.pixels, many.pixels, 150 * 101 * 4 * sizeof(float)), 0);
+    }
+}
+END_TEST
+
+START_TEST(test_a_cropped_picture_is_a_part_of_the_whole_to_the_bit)
+{
+    struct scene scene;
+
+    build_scene(&scene);
+    struct plan *p = plan_new(&scene, &mem, 1);
+    struct sheet whole = render_part(p, 0, 0, 150, 101, 1, 0);
+    struct sheet part = render_part(p, 37, 23, 51, 44, 2, 0);
+    for (unsigned y = 0; y < 44; y++)
+        ck_assert_int_eq(memcmp(part.pixels + (size_t)y * 51 * 4,
+                                whole.pixels + ((size_t)(y + 23) * 150 + 37) * 4,
+                                51 * 4 * sizeof(float)), 0);
+}
+END_TEST
+
+START_TEST(test_a_receiver_that_refuses_rows_ends_the_render)
+{
+    struct scene scene;
+
+    build_scene(&scene);
+    struct plan *p = plan_new(&scene, &mem, 1);
+    struct sheet part = render_part(p, 0, 0, 150, 101, 3, 30);
+    ck_assert_uint_eq(part.rows, 32);
+}
+END_TEST
+
+START_TEST(test_a_stopped_render_has_whole_rows_only)
+{
+    struct scene scene;
+    const volatile sig_atomic_t stop = 1;
+    struct sheet s = { arena_array(&mem, 64 * 64 * 4, sizeof(float)), 64, 0, 0 };
+    struct render_options o = { .width = 64, .height = 64, .crop_width = 64, .crop_height = 64,
+                                .samples_side = 1, .threads = 2, .stop = &stop, .rows = keep_rows,
+                                .arg = &s };
+    struct render_stats stats;
+
+    build_scene(&scene);
+    ck_assert(!render(plan_new(&scene, &mem, 1), &o, &stats));
+    ck_assert_uint_eq(stats.rows_done, s.rows);
+}
+END_TEST
+
 static void add_tests(TCase *c)
 {
+    tcase_add_test(c, test_threads_do_not_change_a_bit);
+    tcase_add_test(c, test_a_cropped_picture_is_a_part_of_the_whole_to_the_bit);
+    tcase_add_test(c, test_a_receiver_that_refuses_rows_ends_the_render);
+    tcase_add_test(c, test_a_stopped_render_has_whole_rows_only);
     tcase_add_test(c, test_powers_are_right_to_two_ulps);
     tcase_add_test(c, test_powers_of_nothing_are_nothing);
     tcase_add_test(c, test_perspective_looks_through_the_picture_plane);
