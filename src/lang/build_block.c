@@ -233,11 +233,10 @@ static struct transform read_scale(struct reader *r)
 static struct transform read_matrix(struct reader *r)
 {
     struct transform t = transform_identity;
-    struct loc at = reader_at(r);
     double v[12];
 
     if (reader_list(r, "matrix", 12, v) && !transform_matrix(v, &t))
-        diag_error(r->lang->diag, at, "this matrix flattens everything: it has no inverse");
+        diag_error(r->lang->diag, reader_at(r), "this matrix flattens everything: it has no inverse");
     return t;
 }
 

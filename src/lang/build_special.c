@@ -320,7 +320,6 @@ static struct object *make_poly(struct lang *l, struct reader *r, const struct i
 {
     size_t n = (size_t)bound(r, "order of poly", 2, 35);
 
-    reader_skip_comma(r);
     return by_coefficients(l, r, block, (n + 1) * (n + 2) * (n + 3) / 6);
 }
 
