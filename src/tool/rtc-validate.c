@@ -269,44 +269,60 @@ static const char *absolute(struct arena *mem, const char *path)
     return arena_format(mem, "%s/%s", here, path);
 }
 
-static const char *picture_folder(const struct request *r)
+/* Debian's POV-Ray writes below /tmp and the scene's folder only. */
+static const char *picture_folder(struct arena *mem)
 {
-    char real[PATH_MAX], temporary[] = "/tmp/rtc-validate.XXXXXX";
+    char temporary[] = "/tmp/rtc-validate.XXXXXX";
 
-    if (r->keep)
-        return realpath(r->keep, real) ? arena_text(r->mem, real, strlen(real)) : NULL;
-    return mkdtemp(temporary) ? arena_text(r->mem, temporary, strlen(temporary)) : NULL;
+    return mkdtemp(temporary) ? arena_text(mem, temporary, strlen(temporary)) : NULL;
 }
 
-static void remove_pictures(struct request *r)
+static bool run_tool(const char *const word[])
 {
-    const char *const word[] = { "rm", "-rf", "--", r->folder, NULL };
     struct run run;
 
-    if (!r->keep)
-        run_program(word, "/", "/dev/null", &run);
+    return run_program(word, ".", "/dev/null", &run) == 0;
+}
+
+static bool keep_pictures(const struct request *r)
+{
+    const char *const copy[] = { "cp", "-R", "--", arena_format(r->mem, "%s/.", r->folder), r->keep,
+                                 NULL };
+
+    if (!r->keep || run_tool(copy))
+        return true;
+    fprintf(stderr, "rtc-validate: error: %s: the pictures cannot be copied there\n", r->keep);
+    return false;
+}
+
+static void remove_pictures(const struct request *r)
+{
+    const char *const word[] = { "rm", "-rf", "--", r->folder, NULL };
+
+    run_tool(word);
 }
 
 static bool validate_all(struct request *r, int n, char **scene)
 {
+    struct arena *outer = r->mem, mem;
     int passed = 0;
 
+    arena_init(&mem, NULL);
+    r->mem = &mem;
     for (int i = 0; i < n; i++) {
-        struct arena mem;
-        arena_init(&mem, NULL);
-        r->mem = &mem;
         passed += validate(r, scene[i], i + 1);
         arena_free(&mem);
     }
+    r->mem = outer;
     printf("%d of %d alike\n", passed, n);
     return passed == n;
 }
 
 static int open_all(struct request *r)
 {
-    r->folder = picture_folder(r);
+    r->folder = picture_folder(r->mem);
     if (!r->folder) {
-        fprintf(stderr, "rtc-validate: error: %s: %s\n", r->keep ? r->keep : "/tmp", strerror(errno));
+        fprintf(stderr, "rtc-validate: error: /tmp: %s\n", strerror(errno));
         return EXIT_OUTPUT;
     }
     r->page = r->html ? fopen(r->html, "w") : NULL;
@@ -333,6 +349,8 @@ static int work(struct request *r, int n, char **scene)
             status = EXIT_OUTPUT;
         }
     }
+    if (!keep_pictures(r))
+        status = EXIT_OUTPUT;
     remove_pictures(r);
     return status;
 }
