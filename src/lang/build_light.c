@@ -4,12 +4,6 @@
 #include "lang/build.h"
 #include "lang/colour.h"
 
-static bool copies_light(const struct object *o)
-{
-    return o->kind == OBJECT_LIGHT
-           || (o->kind == OBJECT_UNION && o->n_child == 2 && o->child[0]->kind == OBJECT_LIGHT);
-}
-
 /* --- kinds ---------------------------------------------------------------------- */
 
 static void make_spot(struct light *l)
@@ -184,42 +178,31 @@ static struct object *light_object(struct lang *l, const struct light *light, st
     return o;
 }
 
-/* What the light looks like goes where the light goes, and casts no shadow: a
- * union holds them together. */
-static struct object *with_looks(struct lang *l, struct reading *w, struct loc at)
+/* What the light looks like stands at its centre, casts no shadow, and moves
+ * with it (scene_add). */
+static void place_looks(struct lang *l, struct reading *w)
 {
     struct transform to_light = transform_translate(w->light.centre);
-    struct object *both = object_start(l, OBJECT_UNION, at);
-    const struct object **child = arena_array(l->scene_mem, 2, sizeof *child);
 
+    if (!w->seen)
+        return;
     object_move(l->scene_mem, w->seen, &to_light);
+    if (!w->seen->texture)
+        w->seen->texture = build_of(l)->texture;
     w->seen->flags |= OBJECT_NO_SHADOW;
     w->seen->flags_given |= OBJECT_NO_SHADOW;
     w->light.looks_like = w->seen;
-    child[0] = light_object(l, &w->light, at);
-    child[1] = w->seen;
-    both->child = child;
-    both->n_child = 2;
-    return both;
 }
 
 static struct object *copied(struct reader *r, const struct object *from, const struct item *block)
 {
     struct object *o = object_copy(r->lang->scene_mem, from);
-    const struct object *light = o->kind == OBJECT_LIGHT ? o : o->child[0];
-    struct reading w = { .light = *light->light, .place = transform_identity };
+    struct reading w = { .light = *from->light, .place = transform_identity };
 
     read_rest(r, &w);
     check_area(r->lang, block, &w.light);
-    struct object *changed = object_copy(r->lang->scene_mem, light);
-    changed->light = arena_copy(r->lang->scene_mem, &w.light, sizeof w.light);
-    if (o->kind == OBJECT_LIGHT)
-        o = changed;
-    else {
-        const struct object **child = arena_copy(r->lang->scene_mem, o->child, 2 * sizeof *child);
-        child[0] = changed;
-        o->child = child;
-    }
+    place_looks(r->lang, &w);
+    o->light = arena_copy(r->lang->scene_mem, &w.light, sizeof w.light);
     object_move(r->lang->scene_mem, o, &w.place);
     return o;
 }
@@ -234,11 +217,13 @@ static struct object *fresh(struct reader *r, const struct item *block)
         w.light.colour = colour_take_rgb(r, false, "light_source");
     read_rest(r, &w);
     check_area(r->lang, block, &w.light);
-    struct object *o = w.seen ? with_looks(r->lang, &w, block->at)
-                              : light_object(r->lang, &w.light, block->at);
+    place_looks(r->lang, &w);
+    struct object *o = light_object(r->lang, &w.light, block->at);
     object_move(r->lang->scene_mem, o, &w.place);
     return o;
 }
+
+static bool is_light(const struct object *o) { return o->kind == OBJECT_LIGHT; }
 
 bool make_light(struct lang *l, const struct item *block, struct value *out)
 {
@@ -246,7 +231,7 @@ bool make_light(struct lang *l, const struct item *block, struct value *out)
 
     reader_open(&r, l, block->body);
     bool declared = item_is_thing(reader_peek(&r), VALUE_OBJECT)
-                    && copies_light(reader_peek(&r)->value.thing);
+                    && is_light(reader_peek(&r)->value.thing);
     struct object *o = declared ? copied(&r, reader_next(&r).value.thing, block)
                                 : fresh(&r, block);
     reader_close(&r);

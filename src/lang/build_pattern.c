@@ -632,9 +632,7 @@ static bool read_custom(struct reader *r, struct patterned *p, const struct item
         return true;
     }
     if (item_is(i, "noise_generator")) {
-        if ((int)reader_number(r, false, "noise_generator")
-            != r->lang->scene->settings.noise_generator)
-            p->unsupported = "noise_generator of one pattern";
+        reader_number(r, false, "noise_generator");     /* of a pattern without noise */
         return true;
     }
     if (p->of == VALUE_PIGMENT && (item_is(i, "quick_color") || item_is(i, "quick_colour"))) {
@@ -677,6 +675,24 @@ static void wrong_item(struct reader *r, struct patterned *p, const struct item 
         build_unknown(r->lang, i, thing_word(p->of), tables);
 }
 
+/* What the whole block says that the pattern's own formula uses. */
+static void fill_block(struct lang *l, struct patterned *p)
+{
+    if (!p->use.ops || !p->use.ops->takes_block)
+        return;
+    struct pattern_block *b = (struct pattern_block *)p->use.self;
+    const struct settings *s = &l->scene->settings;
+    b->turbulence = p->use.turbulence.amount;
+    b->octaves = p->use.turbulence.octaves;
+    b->omega = p->use.turbulence.omega;
+    b->lambda = p->use.turbulence.lambda;
+    b->frequency = p->use.frequency;
+    b->phase = p->use.phase;
+    b->number_of_waves = s->number_of_waves;
+    if (b->noise_generator == 0)
+        b->noise_generator = s->noise_generator;
+}
+
 static void check_end(struct reader *r, struct patterned *p, const struct item *block)
 {
     struct lang *l = r->lang;
@@ -690,6 +706,7 @@ static void check_end(struct reader *r, struct patterned *p, const struct item *
         diag_error(l->diag, at, "average needs a %s_map", thing_word(p->of));
     if (p->of == VALUE_TEXTURE && p->kind == PATTERNED_MAP && p->map.n == 0)
         diag_error(l->diag, at, "a texture with a pattern needs a texture_map");
+    fill_block(l, p);
     if (p->use.ops && p->use.ops->prepare) {
         const char *wrong = p->use.ops->prepare((void *)p->use.self, l->scene_mem);
         if (wrong)

@@ -125,12 +125,6 @@ static void read_charset(struct reader *r)
                    item_describe(r->lang, &i));
 }
 
-static void read_waves(struct reader *r, struct loc at)
-{
-    if (reader_number(r, false, "number_of_waves") != 10)
-        diag_unsupported(r->lang->diag, at, "number_of_waves");
-}
-
 static bool read_special(struct reader *r, const struct item *i)
 {
     if (item_is_block(i, "radiosity"))
@@ -147,8 +141,6 @@ static bool read_special(struct reader *r, const struct item *i)
         read_trace_level(r);
     else if (item_is(i, "charset"))
         read_charset(r);
-    else if (item_is(i, "number_of_waves"))
-        read_waves(r, i->at);
     else
         return false;
     return true;

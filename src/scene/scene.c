@@ -8,7 +8,7 @@ const struct settings settings_default = {
     .adc_bailout = 1.0 / 255,
     .ambient_light = { 1, 1, 1 },
     .irid_wavelength = { 0.70f, 0.52f, 0.48f },
-    .noise_generator = 2,
+    .noise_generator = 2, .number_of_waves = 10,
 };
 
 #define MEMBER(m) offsetof(struct settings, m)
@@ -19,7 +19,7 @@ const struct field settings_fields[] = {
     { "adc_bailout", FIELD_NUM, MEMBER(adc_bailout), ANY, "rays that matter less are not followed" },
     { "ambient_light", FIELD_RGB, MEMBER(ambient_light), ANY, "light from everywhere" },
     { "irid_wavelength", FIELD_RGB, MEMBER(irid_wavelength), ANY, "wavelengths of irid" },
-    { "number_of_waves", FIELD_IGNORED, 0, ANY, "sources of waves and ripples", "number_of_waves" },
+    { "number_of_waves", FIELD_INT, MEMBER(number_of_waves), ANY, "sources of waves and ripples" },
     { "noise_generator", FIELD_INT, MEMBER(noise_generator), 1, 3, "which noise patterns use" },
     { "charset", FIELD_CUSTOM, 0, ANY, "of texts: ascii, utf8 or sys" },
     { "mm_per_unit", FIELD_IGNORED, 0, ANY, "millimetres in a unit, for subsurface" },
@@ -43,6 +43,15 @@ void scene_add_light(struct scene *s, const struct light *l)
     s->light[s->n_light++] = *l;
 }
 
+static struct object *moved_copy(struct arena *mem, const struct object *o,
+                                 const struct transform *t)
+{
+    struct object *copy = object_copy(mem, o);
+
+    object_move(mem, copy, t);
+    return copy;
+}
+
 /* Lights shine wherever they stand in an object; place: world from o's outer space. */
 static void add_lights(struct scene *s, const struct object *o, const struct transform *place)
 {
@@ -51,6 +60,10 @@ static void add_lights(struct scene *s, const struct object *o, const struct tra
     struct transform inner = transform_compose(place, &o->place);
     if (o->kind == OBJECT_LIGHT && o->light) {
         struct light moved = light_moved(o->light, &inner);
+        if (moved.looks_like)
+            moved.looks_like = moved_copy(s->mem, moved.looks_like, &inner);
+        if (moved.projected_through)
+            moved.projected_through = moved_copy(s->mem, moved.projected_through, &inner);
         scene_add_light(s, &moved);
     }
     for (size_t i = 0; i < o->n_child; i++)

@@ -31,6 +31,7 @@ struct settings {
     rgb ambient_light;                  /* 1 */
     rgb irid_wavelength;
     int noise_generator;                /* 2 */
+    int number_of_waves;                /* 10 */
     int max_intersections;              /* read, not needed */
     bool has_assumed_gamma;
 };
