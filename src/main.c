@@ -1,4 +1,6 @@
 /* main.c: bytes -> tokens -> AST -> values -> scene -> plan -> pixels -> file. */
+#include <config.h>
+
 #include <errno.h>
 #include <sched.h>
 #include <stdio.h>
@@ -19,7 +21,6 @@
 #include "cli/stop.h"
 #include "image/image.h"
 #include "lang/lang.h"
-#include "lang/state.h"
 
 /* One picture's way through the program. */
 struct run {
@@ -229,7 +230,7 @@ static int make_frame(struct run *r)
 
     r->lang = lang_new(&setup);
     struct scene *scene = read_scene(r);
-    r->limit_reached = r->lang->limit_reached;
+    r->limit_reached = lang_limit_reached(r->lang);
     lang_free(r->lang);
     arena_free(&r->tree);
     r->stats.parse = lap(&start);
