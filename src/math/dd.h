@@ -51,6 +51,14 @@ static inline dd dd_mul(dd a, dd b)
 /* a * s for a power of two s: exact. */
 static inline dd dd_scale(dd a, double s) { return (dd) { a.hi * s, a.lo * s }; }
 
+static inline dd dd_sqrt(dd a)
+{
+    if (!(a.hi > 0))
+        return dd_of(0);
+    double r = sqrt(a.hi);
+    return dd_quick_sum(r, dd_sub(a, dd_product(r, r)).hi / (2 * r));
+}
+
 /* a * b - c * d with at most 1.5 ulp of error, so also with the right sign
  * (Kahan; Jeannerod, Louvet and Muller 2013). */
 static inline double difference_of_products(double a, double b, double c, double d)

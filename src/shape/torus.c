@@ -1,4 +1,5 @@
 /* torus.c: torus { MAJOR, MINOR }: around the y axis. */
+#include "math/dd.h"
 #include "math/poly.h"
 #include "shape/shapes.h"
 #include "shape/unit.h"
@@ -49,7 +50,15 @@ static struct bounds bounds(const void *self)
 struct chord {
     vec3 p, e;
     double low, high;                   /* outside of the torus beyond these */
+    double quartic[5];                  /* (|q|^2 + ring^2 - tube^2)^2 - 4 ring^2 rho^2 */
+    struct ray own;                     /* the ray in units */
+    double mid, length, stretch;        /* t = (mid + at / length) * stretch */
 };
+
+INLINE double t_at(const struct chord *c, double at)
+{
+    return (c->mid + at / c->length) * c->stretch;
+}
 
 /* rho is the distance from the axis. */
 struct value { double f, slope; };
@@ -79,10 +88,33 @@ INLINE struct value value_at(const struct torus *s, const struct chord *c, doubl
     return (struct value) { outer.f * inner.f, outer.f * inner.slope + outer.slope * inner.f };
 }
 
+/* Near to the root between a and b, on the quartic: its slope is cheap. */
+static double guess(const double c[5], double a, double b, bool rising)
+{
+    double x = a + (b - a) / 2;
+
+    for (int i = 0; i < 20; i++) {
+        double slope = 4 * c[4] * x + 3 * c[3], y = c[4] * x + c[3];
+        slope = (slope * x + 2 * c[2]) * x + c[1];
+        y = ((y * x + c[2]) * x + c[1]) * x + c[0];
+        if ((y > 0) == rising)
+            b = x;
+        else
+            a = x;
+        double next = x - y / slope;
+        if (!(next > a && next < b))
+            next = a + (b - a) / 2;
+        if (fabs(next - x) < 0x1p-20)
+            return next;
+        x = next;
+    }
+    return x;
+}
+
 /* Bisection between a and b, made quick by Newton's steps. */
 static double solve(const struct torus *s, const struct chord *c, double a, double b, bool rising)
 {
-    double x = a + (b - a) / 2;
+    double x = guess(c->quartic, a, b, rising);
 
     for (int i = 0; i < 100; i++) {
         struct value y = value_at(s, c, x);
@@ -122,16 +154,25 @@ INLINE bool clip(const struct torus *s, struct chord *c)
     return c->low < c->high;
 }
 
-/* Points that part the chord into pieces with at most one crossing each:
- * where the quartic (|q|^2 + ring^2 - tube^2)^2 - 4 ring^2 rho^2 turns. */
-static int turns(const struct torus *s, const struct chord *c, double at[3])
+static void expand(const struct torus *s, struct chord *c)
 {
     vec3 p = c->p, e = c->e;
     double rr = s->ring * s->ring;
     double k = vec_dot(p, p) + (s->ring - s->tube) * (s->ring + s->tube), b = vec_dot(p, e);
-    double ee = e.x * e.x + e.z * e.z, pe = p.x * e.x + p.z * e.z;
-    double slope[4] = { b * k - 2 * rr * pe, 2 * b * b + k - 2 * rr * ee, 3 * b, 1 };
+    double ee = e.x * e.x + e.z * e.z, pe = p.x * e.x + p.z * e.z, pp = p.x * p.x + p.z * p.z;
 
+    c->quartic[0] = k * k - 4 * rr * pp;
+    c->quartic[1] = 4 * b * k - 8 * rr * pe;
+    c->quartic[2] = 4 * b * b + 2 * k - 4 * rr * ee;
+    c->quartic[3] = 4 * b;
+    c->quartic[4] = 1;
+}
+
+/* Points that part the chord into pieces with at most one crossing each:
+ * where the quartic turns. */
+static int turns(const struct chord *c, double at[3])
+{
+    double slope[4] = { c->quartic[1] / 4, c->quartic[2] / 2, 3 * c->quartic[3] / 4, 1 };
     return poly_roots(3, slope, c->low, c->high, at);
 }
 
@@ -156,52 +197,102 @@ static double settle(const struct torus *s, const struct chord *c, double at)
     return at;
 }
 
-static int crossings(const struct torus *s, const struct chord *c, double root[4])
+/* Outside of the tube at a place where the distance turns?  Again in
+ * double-double, about the ray's own origin. */
+static __attribute__((noinline)) bool is_out_closely(const struct torus *s,
+                                                     const struct chord *c, double at)
+{
+    double t = c->mid + at / c->length;
+    vec3 o = c->own.origin, d = c->own.dir;
+    dd x = dd_add(dd_of(o.x), dd_product(t, d.x));
+    dd y = dd_add(dd_of(o.y), dd_product(t, d.y));
+    dd z = dd_add(dd_of(o.z), dd_product(t, d.z));
+    dd across = dd_sub(dd_sqrt(dd_add(dd_mul(x, x), dd_mul(z, z))), dd_of(s->ring));
+    dd f = dd_sub(dd_add(dd_mul(across, across), dd_mul(y, y)), dd_product(s->tube, s->tube));
+
+    return f.hi >= 0;
+}
+
+/* Outside of the torus where the quartic turns?  The place is made better
+ * where it matters, but stays between its neighbours. */
+static bool is_out(const struct torus *s, const struct chord *c, double from, double *at,
+                   double to)
+{
+    double y = value_at(s, c, *at).f;
+
+    if (LIKELY(fabs(y) > 0x1p-10 * s->tube * s->tube) || s->has_inner)
+        return y >= 0;
+    double better = settle(s, c, *at);
+    if (better > from && better < to) {
+        *at = better;
+        y = value_at(s, c, better).f;
+    }
+    if (fabs(y) < 32 * ROUNDING * s->tube)
+        return is_out_closely(s, c, *at);
+    return y >= 0;
+}
+
+/* The crossings with near < t < far, at most so many. */
+static int crossings(const struct torus *s, const struct chord *c, double near, double far,
+                     int most, double t[])
 {
     double at[4], from = c->low;
-    int n = turns(s, c, at), found = 0;
+    int n = turns(c, at), found = 0;
     bool out = true;
 
     at[n] = c->high;
-    for (int i = 0; i <= n; i++) {
-        bool out_there = true;
-        if (i < n) {
-            double y = value_at(s, c, at[i]).f;
-            if (fabs(y) < 0x1p-10 * s->tube * s->tube && !s->has_inner) {
-                double better = settle(s, c, at[i]);
-                if (better > from && better < at[i + 1]) {
-                    at[i] = better;
-                    y = value_at(s, c, better).f;
-                }
-            }
-            out_there = y >= 0;
+    for (int i = 0; i <= n && found < most; i++) {
+        bool out_there = i == n || is_out(s, c, from, &at[i], at[i + 1]);
+        if (out_there != out && t_at(c, at[i]) > near && t_at(c, from) < far) {
+            t[found] = t_at(c, solve(s, c, from, at[i], out_there));
+            found += t[found] > near && t[found] < far;
         }
-        if (out_there != out && found < 4)
-            root[found++] = solve(s, c, from, at[i], out_there);
         out = out_there;
         from = at[i];
     }
     return found;
 }
 
+static int cross(const struct torus *s, struct ray ray, double near, double far, int most,
+                 double t[])
+{
+    double stretch = LIKELY(ray_is_tame(ray)) ? 1 : ray_tame(&ray);
+    vec3 from = vec_scale(ray.origin, s->unit);
+    double square = vec_dot(ray.dir, ray.dir), mid = -vec_dot(from, ray.dir) / square;
+    double length = sqrt(square);
+    struct chord c = { .p = vec_fma(from, mid, ray.dir), .own = { from, ray.dir },
+                       .mid = mid, .length = length, .stretch = s->size * stretch };
+    double out = s->ring + s->tube + 0x1p-20;
+
+    if (!(vec_dot(c.p, c.p) < out * out))
+        return 0;
+    c.e = vec_scale(ray.dir, 1 / length);
+    if (!clip(s, &c))
+        return 0;
+    expand(s, &c);
+    return crossings(s, &c, near, far, most, t);
+}
+
 static int hits(const void *self, struct ray ray, struct hit out[])
 {
     const struct torus *s = self;
-    struct ray tame = ray;
-    double stretch = LIKELY(ray_is_tame(ray)) ? 1 : ray_tame(&tame);
-    vec3 from = vec_scale(ray.origin, s->unit);
-    double dd = vec_dot(tame.dir, tame.dir), mid = -vec_dot(from, tame.dir) / dd;
-    double length = sqrt(dd);
-    struct chord c = { .p = vec_fma(from, mid, tame.dir), .e = vec_scale(tame.dir, 1 / length) };
-    double root[4];
+    double t[4];
+    int n = cross(s, ray, -INFINITY, INFINITY, 4, t);
 
-    if (!clip(s, &c))
-        return 0;
-    int n = crossings(s, &c, root);
     for (int i = 0; i < n; i++)
-        out[i] = hit_at(ray, (mid + root[i] / length) * s->size * stretch,
-                        s->major + s->minor, 0);
+        out[i] = hit_at(ray, t[i], s->major + s->minor, 0);
     return n;
+}
+
+static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+{
+    const struct torus *s = self;
+    double t;
+
+    if (!cross(s, ray, near, far, 1, &t))
+        return false;
+    *out = hit_at(ray, t, s->major + s->minor, 0);
+    return true;
 }
 
 static bool is_leaky(const void *self) { return ((const struct torus *)self)->has_inner; }
@@ -241,6 +332,6 @@ const struct shape_ops shape_torus = {
     .name = "torus", .help = "a ring around the y axis",
     .size = sizeof(struct torus), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .most_hits = 4,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .is_leaky = is_leaky,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .is_leaky = is_leaky,
     .inside = inside, .normal = normal, .uv = uv,
 };
