@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "base/field.h"
+#include "scene/atmosphere.h"
 #include "scene/camera.h"
 #include "scene/light.h"
 #include "scene/object.h"
@@ -46,6 +47,9 @@ struct scene {
     size_t n_object, room_object;
     struct light *light;                /* in the world, also those that stood in unions */
     size_t n_light, room_light;
+    const struct sky_sphere *sky_sphere;    /* the last one; NULL: none */
+    const struct fog **fog;
+    size_t n_fog, room_fog;
 };
 
 extern const struct settings settings_default;

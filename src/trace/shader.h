@@ -10,12 +10,13 @@
 struct shader {
     const struct lamp *lamp;
     size_t n_lamp;
+    const struct sky *sky;
     uint32_t n_group;                   /* of programs */
     bool has_face_textures;             /* some mesh has its own */
     bool has_interior;                  /* some surface has one that was given */
     size_t room_surface;
     struct intern gloss, plain, program, group, surface;    /* content to the one copy of it */
-    size_t n_program, n_gloss, n_lit[4];
+    size_t n_program;
 };
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "trace/shader.h"
+#include "trace/sky.h"
 
 static struct shader *shader_of(struct plan *p)
 {
@@ -230,9 +231,12 @@ void shader_build(struct plan *p)
     struct shader *s = shader_of(p);
 
     add_lamps(p);
+    s->sky = sky_new(p->mem, p->scene);
     plan_note(p, "looks: %zu surfaces, %zu texture programs in %u groups that are shaded together",
               p->n_surface, s->n_program, s->n_group);
     plan_note(p, "lights: %zu", s->n_lamp);
+    left_out(p, p->scene->sky_sphere, "sky");
+    left_out(p, p->scene->n_fog > 0, "fog");
     left_out(p, p->has_shadows, "shadow rays");
     left_out(p, p->has_transparency, "light through transparent objects");
     left_out(p, p->has_refraction, "refracted rays");

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "trace/shade.h"
+#include "trace/sky.h"
 
 enum { MOST_SURROUNDING = 64 };         /* solids around a camera that are noticed */
 
@@ -55,7 +56,7 @@ uint32_t worker_insides_at(struct worker *w, vec3 point)
 {
     uint32_t around[MOST_SURROUNDING], list = 0;
 
-    if (!w->plan->has_refraction && !w->shader->has_interior)
+    if (!w->plan->has_refraction && !w->shader->has_interior && !w->plan->scene->n_fog)
         return 0;
     size_t n = geometry_inside(w->plan, w->scratch, point, around, MOST_SURROUNDING);
     for (size_t i = 0; i < n && i < MOST_SURROUNDING; i++)
@@ -86,37 +87,14 @@ static void reserve_hits(struct worker *w, int n)
     w->sorted = grown(w->sorted, 3 * w->room_hits, sizeof *w->sorted);
 }
 
-/* ---- what is seen where nothing is met (3.6) ---- */
-
-static void add_background(struct worker *w, int i)
-{
-    const struct scene *s = w->plan->scene;
-    bool is_old = s->settings.effective_version < 370;
-    rgb weight = rgb_of(w->now.red[i], w->now.green[i], w->now.blue[i]);
-    rgb c = rgb_of(0, 0, 0);
-    float transmit = 1;
-
-    if (s->has_background) {
-        c = colour_rgb(s->background);
-        if (!is_old) {
-            transmit = s->background.t;
-            c = rgb_scale(c, 1 - transmit);
-        }
-    }
-    film_add(&w->film, w->now.pixel[i], rgb_mul(weight, c));
-    w->film.sum[w->now.pixel[i]][3] += w->now.alpha[i] * transmit;
-}
-
 /* ---- hits ---- */
 
 static void meet(struct worker *w)
 {
     for (int i = 0; i < w->now.n; i++)
         if (!geometry_nearest(w->plan, w->scratch, wave_at(&w->now, i), INFINITY,
-                              w->now.mask[i], &w->meeting[i])) {
+                              w->now.mask[i], &w->meeting[i]))
             w->meeting[i].leaf = NO_LEAF;
-            add_background(w, i);
-        }
 }
 
 static void locate(struct worker *w)
@@ -229,6 +207,8 @@ void worker_trace(struct worker *w)
     while (w->now.n) {
         reserve_hits(w, w->now.n);
         meet(w);
+        sky_fog(w);
+        sky_show(w);
         locate(w);
         int n = make_tasks(w);
         sort_tasks(w, n);
