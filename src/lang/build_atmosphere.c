@@ -118,16 +118,26 @@ bool make_sky_sphere(struct lang *l, const struct item *block, struct value *out
 
 void use_sky_sphere(struct lang *l, struct loc at, const struct value *made)
 {
-    (void)made;
     if (build_of(l)->has_sky)
         diag_warning(l->diag, at, "a second sky_sphere: only the last one counts");
     l->build->has_sky = true;
-    diag_unsupported(l->diag, at, "sky_sphere");
+    l->scene->sky_sphere = made->thing;
+}
+
+static void use_fog(struct lang *l, const struct fog *f)
+{
+    struct scene *s = l->scene;
+
+    s->fog = arena_grow(s->mem, s->fog, s->n_fog, &s->room_fog, sizeof *s->fog);
+    s->fog[s->n_fog++] = f;
 }
 
 void use_atmosphere(struct lang *l, struct loc at, const struct value *made)
 {
-    diag_unsupported(l->diag, at, value_type_name(made->type));
+    if (made->type == VALUE_FOG)
+        use_fog(l, made->thing);
+    else
+        diag_unsupported(l->diag, at, value_type_name(made->type));
 }
 
 /* --- background ---------------------------------------------------------------------------- */
