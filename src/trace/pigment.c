@@ -30,6 +30,7 @@ const struct gauge *gauge_new(struct arena *mem, const struct chain *chain,
     for (size_t i = 0; i < n_entry; i++)
         key[i] = (float)entry[i].value;
     g->chain = *chain;
+    g->chain.has_turbulence &= !(use->ops && use->ops->keeps_point);
     g->use = *use;
     g->key = key;
     g->n_key = (int)n_entry;
