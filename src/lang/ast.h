@@ -111,6 +111,8 @@ struct ast {
 };
 
 enum { AST_OP_LE = 'l', AST_OP_GE = 'g', AST_OP_NE = 'n' };
-enum { AST_GRAY = 9 };
+enum { AST_GRAY = 8, AST_GREY };      /* .grey: in functions only */
+
+bool ast_is_value(const struct ast *a);
 
 #endif

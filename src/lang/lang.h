@@ -47,6 +47,7 @@ struct scene *lang_build(struct lang *l, const struct ast *tree);
 
 void lang_dump_tokens(struct lang *l, const char *path, FILE *out);     /* --dump=tokens */
 void lang_dump_ast(const struct lang *l, const struct ast *tree, FILE *out);
+bool lang_limit_reached(const struct lang *l);       /* then the program ends with EXIT_LIMIT */
 void lang_free(struct lang *l);         /* closes files that the scene left open */
 
 /* All reserved words with their one-line help, from the tables: for the

@@ -45,6 +45,10 @@ struct reader {
     unsigned base;                      /* its first frame in lang->frame[] */
     bool has_item;                      /* item was looked at, not taken */
     struct item item;
+    bool has_node;                      /* so was node: what comes after item, or next */
+    const struct ast *node;
+    bool failed;                        /* part of the list was not understood, which was said:
+                                           say nothing of what is missing */
     struct loc brace, close;            /* of the list; close.source 0: unknown */
 };
 
@@ -72,6 +76,12 @@ bool reader_is_number(struct reader *r);            /* is a number of any size n
  * many.  The fast way through vertex lists: call it before reader_vector and
  * after each; 0 means "use reader_vector". */
 size_t reader_bulk(struct reader *r, int components, size_t most, double *out);
+
+/* `< n numbers >` of any n up to 7770: matrix, cubic, quartic, poly.  Values
+ * of fewer or more components are errors (what: "matrix"). */
+bool reader_list(struct reader *r, const char *what, size_t n, double *out);
+/* The same in ( ): polynomial's xyz ( ), julia_fractal's pwr ( ). */
+bool reader_arguments(struct reader *r, const char *what, size_t n, double *out);
 
 /* The loc of what stands next, or of the closing brace. */
 struct loc reader_at(struct reader *r);

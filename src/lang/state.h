@@ -28,6 +28,7 @@ struct stream;                          /* rand */
 
 struct lang {
     struct lang_setup setup;
+    const char *folder;                 /* the scene's own, with a final "/" or empty */
     struct arena *mem;                  /* tree and values */
     struct arena *scene_mem;            /* what is part of the scene or of a declared thing */
     struct sources *sources;

@@ -39,5 +39,7 @@ struct value {
 };
 
 const char *value_type_name(enum value_type type);      /* "pigment", "number" */
+const char *value_name(const struct value *v);          /* "vector" for several numbers */
+bool value_is_number(const struct value *v);            /* or colour: of any size */
 
 #endif

@@ -25,13 +25,22 @@ enum word_class {
     WORD_FUNCTION, WORD_ARRAY,
 };
 
+enum directive {
+    DIRECTIVE_NONE, DIRECTIVE_DECLARE, DIRECTIVE_LOCAL, DIRECTIVE_UNDEF, DIRECTIVE_IF,
+    DIRECTIVE_IFDEF, DIRECTIVE_IFNDEF, DIRECTIVE_ELSE, DIRECTIVE_ELSEIF, DIRECTIVE_END,
+    DIRECTIVE_WHILE, DIRECTIVE_FOR, DIRECTIVE_SWITCH, DIRECTIVE_CASE, DIRECTIVE_RANGE,
+    DIRECTIVE_BREAK, DIRECTIVE_MACRO, DIRECTIVE_INCLUDE, DIRECTIVE_VERSION, DIRECTIVE_DEFAULT,
+    DIRECTIVE_DEBUG, DIRECTIVE_WARNING, DIRECTIVE_ERROR, DIRECTIVE_RENDER, DIRECTIVE_STATISTICS,
+    DIRECTIVE_FOPEN, DIRECTIVE_FCLOSE, DIRECTIVE_READ, DIRECTIVE_WRITE,
+};
+
 /* A word's meanings; most have one.  Which counts follows from the place. */
 struct word {
     const char *text;
     const char *help;           /* one line, or NULL */
     enum word_class class;
     bool names_file;            /* the text behind it is a file name: no escapes (png, ttf ...) */
-    bool is_directive;          /* may follow '#' */
+    enum directive directive;   /* behind '#' */
     const struct call *call;                /* a built-in function: call.h */
     const struct constant *constant;        /* call.h */
     const struct shape_ops *shape;

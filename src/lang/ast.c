@@ -1,0 +1,204 @@
+/* ast.c: making the nodes of the tree. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "lang/parsing.h"
+
+enum { DEEPEST = 10000 };       /* of an expression: the evaluator recurses */
+
+struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at)
+{
+    struct ast *node = arena_alloc(p->mem, sizeof *node);
+
+    node->kind = (uint8_t)kind;
+    node->at = at;
+    return node;
+}
+
+struct ast *ast_list(struct parse *p, struct loc at)
+{
+    return ast_new(p, AST_LIST, at);
+}
+
+struct ast *ast_add(struct ast *list, struct ast *item)
+{
+    if (!item)
+        return list;
+    if (list->last)
+        list->last->next = item;
+    else
+        list->first = item;
+    list->last = item;
+    return list;
+}
+
+bool ast_is_value(const struct ast *a)
+{
+    return a->kind >= AST_NUMBER && a->kind <= AST_CONDITION && a->kind != AST_TAIL;
+}
+
+/* A list of values with at most one comma between them becomes plain: the
+ * commas go, flags keep what they said.  A call may be a macro, which leaves
+ * anything behind: not plain. */
+static bool is_plain(const struct ast *list)
+{
+    bool may_comma = false;
+
+    for (const struct ast *a = list->first; a; a = a->next) {
+        if (a->kind == AST_COMMA ? !may_comma
+            : !ast_is_value(a) || (a->flags & AST_HAS_CALL && a->kind == AST_CALL))
+            return false;
+        may_comma = a->kind != AST_COMMA;
+    }
+    return true;
+}
+
+struct ast *ast_pack(struct ast *list)
+{
+    struct ast *from = list->first;
+    bool had_comma = true, all = true;
+
+    if (!is_plain(list))
+        return list;
+    list->first = list->last = NULL;
+    list->flags |= AST_PLAIN;
+    for (struct ast *next; from; from = next) {
+        next = from->next;
+        from->next = NULL;
+        if (from->kind == AST_COMMA) {
+            had_comma = true;
+            continue;
+        }
+        all = all && had_comma;
+        had_comma = false;
+        list->n += list->n < UINT16_MAX;
+        ast_add(list, from);
+    }
+    if (all)
+        list->flags |= AST_ALL_COMMAS;
+    if (had_comma && list->first)
+        list->flags |= AST_LAST_COMMA;
+    return list;
+}
+
+/* What was wrong with the closing bracket is said at the end of the list. */
+struct ast *ast_close(struct parse *p, struct ast *list, struct loc open, struct loc close)
+{
+    list->at = open;
+    list->close = close;
+    list->flags |= AST_CLOSED;
+    ast_add(list, p->pending);
+    p->pending = NULL;
+    return list;
+}
+
+static uint16_t depth_of(const struct ast *a)
+{
+    return a ? a->depth : 0;
+}
+
+/* A sum of many thousand terms is a tree as deep. */
+static struct ast *measured(struct parse *p, struct ast *node)
+{
+    uint16_t left = depth_of(node->left), right = depth_of(node->right);
+    uint16_t third = depth_of(node->third);
+    uint16_t most = left > right ? left : right;
+
+    node->depth = (uint16_t)((most > third ? most : third) + 1);
+    if (node->depth <= DEEPEST)
+        return node;
+    lang_limit(p->lang, node->at, "nested too deeply: an expression of more than %d operators",
+               DEEPEST);
+    p->deep = true;
+    node->depth = 0;
+    node->left = node->right = NULL;
+    node->kind = AST_NUMBER;
+    return node;
+}
+
+static uint8_t calls(const struct ast *a, const struct ast *b)
+{
+    return (uint8_t)(((a ? a->flags : 0) | (b ? b->flags : 0)) & AST_HAS_CALL);
+}
+
+/* A directive in an operand's place is handled like a macro's call. */
+static uint8_t splices(const struct ast *a)
+{
+    return a && a->kind == AST_SPLICE ? AST_HAS_CALL : 0;
+}
+
+struct ast *ast_unary(struct parse *p, struct loc at, int op, struct ast *right)
+{
+    struct ast *node = ast_new(p, AST_UNARY, at);
+
+    node->op = (uint8_t)op;
+    node->right = right;
+    node->flags = calls(right, NULL) | splices(right);
+    return measured(p, node);
+}
+
+struct ast *ast_binary(struct parse *p, struct loc at, int op, struct ast *left, struct ast *right)
+{
+    struct ast *node = ast_new(p, AST_BINARY, at);
+
+    node->op = (uint8_t)op;
+    node->left = left;
+    node->right = right;
+    node->flags = calls(left, right) | splices(right);
+    return measured(p, node);
+}
+
+struct ast *ast_tail(struct parse *p, struct loc at, int op, struct ast *right)
+{
+    struct ast *node = ast_new(p, AST_TAIL, at);
+
+    node->op = (uint8_t)op;
+    node->right = right;
+    return node;
+}
+
+struct ast *ast_condition(struct parse *p, struct loc at, struct ast *a, struct ast *b,
+                          struct ast *c)
+{
+    struct ast *node = ast_new(p, AST_CONDITION, at);
+
+    node->left = a;
+    node->right = b;
+    node->third = c;
+    return measured(p, node);
+}
+
+static const struct { const char *name; uint8_t index; } members[] = {
+    { "x", 0 }, { "y", 1 }, { "z", 2 }, { "t", 3 }, { "u", 0 }, { "v", 1 },
+    { "red", 0 }, { "green", 1 }, { "blue", 2 }, { "filter", 3 }, { "transmit", 4 },
+    { "gray", AST_GRAY }, { "grey", AST_GREY },
+};
+
+struct ast *ast_member(struct parse *p, struct loc at, struct ast *left, const char *name)
+{
+    struct ast *node = ast_new(p, AST_MEMBER, at);
+
+    node->left = left;
+    node->flags = calls(left, NULL);
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++)
+        if (strcmp(members[i].name, name) == 0) {
+            node->index = members[i].index;
+            return measured(p, node);
+        }
+    return ast_error(p, at, (struct loc) { 0 }, "there is no component '.%s'", name);
+}
+
+struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const char *format, ...)
+{
+    struct ast *node = ast_new(p, AST_ERROR, at);
+    char text[512];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    node->text = arena_text(p->mem, text, strlen(text));
+    node->other = other;
+    return node;
+}

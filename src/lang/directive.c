@@ -1,0 +1,682 @@
+/* directive.c: what each directive does when a reader comes to it. */
+#include <math.h>
+#include <string.h>
+
+#include "lang/array.h"
+#include "lang/build.h"
+#include "lang/colour.h"
+#include "lang/eval.h"
+#include "lang/file.h"
+#include "lang/frame.h"
+#include "lang/function.h"
+#include "lang/guess.h"
+#include "lang/include.h"
+#include "lang/message.h"
+#include "lang/scope.h"
+
+static const double tolerance = 1e-10;
+
+/* --- #declare ---------------------------------------------------------------- */
+
+static bool block_value(struct lang *l, const struct item *i, struct value *out)
+{
+    if (i->word && build_value(l, i->word, i, out))
+        return true;
+    struct guess g = guess_start(i->text ? i->text : "");
+    guess_words(&g, l);
+    diag_error(l->diag, i->at, "'%s' cannot be declared%s", i->text ? i->text : "{ }",
+               i->word ? "" : guess_text(&g, l));
+    return false;
+}
+
+static bool word_value(struct lang *l, struct reader *r, struct value *out)
+{
+    const struct item *i = reader_peek(r);
+
+    if (i->word->class == WORD_RGB || i->word->class == WORD_COLOUR)
+        return colour_read(r, out);
+    struct item word = reader_next(r);
+    if (build_word_value(l, r, &word, out))
+        return true;
+    diag_error(l->diag, word.at, "'%s' cannot be declared", word.text);
+    return false;
+}
+
+static void say_no_value(struct lang *l, const struct item *i)
+{
+    struct guess g = guess_start(i->text ? i->text : "");
+
+    if (i->kind == ITEM_NAME) {
+        guess_names(&g, l);
+        if (i->brace.source)
+            guess_words(&g, l);
+        diag_error(l->diag, i->at, "%s '%s'%s", i->brace.source ? "unknown word" : "undeclared name",
+                   i->text, guess_text(&g, l));
+    } else
+        diag_error(l->diag, i->at, "expected a value, found %s", item_describe(l, i));
+}
+
+bool thing_value(struct lang *l, struct reader *r, struct value *out)
+{
+    const struct item *i = reader_peek(r);
+    struct item item;
+
+    *out = (struct value) { .type = VALUE_NONE };
+    switch (i->kind) {
+    case ITEM_WORD: return word_value(l, r, out);
+    case ITEM_VALUE:
+        *out = reader_next(r).value;
+        value_share(out);
+        return true;
+    case ITEM_BLOCK:
+        item = reader_next(r);
+        return block_value(l, &item, out);
+    default:
+        if (!r->failed && !l->stopped)
+            say_no_value(l, i);
+        return false;
+    }
+}
+
+/* A macro that ends with "5;" brings its own semicolon. */
+static bool take_semicolon(struct reader *r)
+{
+    const struct ast *a;
+
+    if (r->has_item || !(a = reader_look(r)) || a->kind != AST_SEMICOLON)
+        return false;
+    r->has_node = false;
+    return true;
+}
+
+bool declared_value(struct lang *l, const struct ast *list, struct value *out, bool *semicolon)
+{
+    struct reader r;
+
+    if (list->flags & AST_PLAIN && list->n == 1) {
+        evaluate(l, list->first, out);
+        value_share(out);
+        return true;
+    }
+    reader_open(&r, l, list);
+    bool fine = thing_value(l, &r, out);
+    if (fine && take_semicolon(&r))
+        *semicolon = true;
+    while (fine && out->type == VALUE_TEXTURE && item_is_block(reader_peek(&r), "texture")) {
+        struct item layer = reader_next(&r);
+        fine = build_value(l, layer.word, &layer, out);
+    }
+    if (fine && !r.failed && reader_peek(&r)->kind != ITEM_END) {
+        diag_error(l->diag, reader_at(&r), "expected ';' at the end of the declaration, found %s",
+                   item_describe(l, reader_peek(&r)));
+        fine = false;
+    }
+    fine = fine && !r.failed;
+    reader_close(&r);
+    return fine;
+}
+
+/* Colours are kept in single precision. */
+static void settle(struct value *v)
+{
+    if (!value_is_number(v) || v->n != 5)
+        return;
+    v->type = VALUE_COLOUR;
+    for (int i = 0; i < 5; i++)
+        v->v[i] = (double)(float)v->v[i];
+}
+
+static const char *mark_text(struct lang *l, const struct ast *marks, const struct ast *target)
+{
+    for (const struct ast *a = marks->first; a; a = a->next)
+        if (a->kind == AST_TEXT)
+            return a->text;
+    return arena_format(l->mem, "'%s' is deprecated", target->name->text);
+}
+
+/* deprecated [once] ["text"]; other words were meant as a name. */
+static bool check_marks(struct lang *l, const struct ast *node)
+{
+    for (const struct ast *a = node->marks ? node->marks->first : NULL; a; a = a->next) {
+        if (a->kind == AST_TEXT || word_is(a->word, "deprecated") || word_is(a->word, "once"))
+            continue;
+        diag_error(l->diag, a->at, "'%s' is a reserved word: it cannot be declared",
+                   a->name->text);
+        return false;
+    }
+    if (!node->target)
+        diag_error(l->diag, node->at, "the name is missing in this declaration");
+    return node->target;
+}
+
+static bool may_replace(struct lang *l, const struct ast *node, const struct value *old,
+                        const struct value *new)
+{
+    const char *name = node->target->name->text;
+
+    if (old->type == VALUE_NONE)
+        return true;
+    if (old->type == VALUE_MACRO || (old->type == VALUE_FILE))
+        diag_error(l->diag, node->target->at, "'%s' is a %s already; #undef it first", name,
+                   value_name(old));
+    else if (node->target->kind == AST_NAME
+             && (old->type == VALUE_FUNCTION || new->type == VALUE_FUNCTION))
+        diag_error(l->diag, node->target->at,
+                   "'%s' is a %s already: functions need #undef before", name, value_name(old));
+    else
+        return true;
+    return false;
+}
+
+static void mark(struct lang *l, struct binding *b, const struct ast *node)
+{
+    b->deprecated = mark_text(l, node->marks, node->target);
+    for (const struct ast *a = node->marks->first; a; a = a->next)
+        if (a->kind == AST_WORD && word_is(a->word, "once"))
+            b->warn_once = true;
+}
+
+static void assign_name(struct lang *l, const struct ast *node, struct value *v)
+{
+    struct binding *old = scope_find(node->target->name);
+    struct binding *b = scope_declare(l, node->target->name, node->op == 'l', node->target->at);
+
+    if (old == b && !may_replace(l, node, b->value, v))
+        return;
+    if (node->marks)
+        mark(l, b, node);
+    else if (b->deprecated)
+        b->deprecated = NULL;
+    if (v->type == VALUE_NUMBER && v->n == 1) {
+        b->value->type = VALUE_NUMBER;
+        b->value->n = 1;
+        b->value->v[0] = v->v[0];
+    } else
+        *b->value = *v;
+}
+
+static void declare(struct lang *l, const struct ast *node)
+{
+    struct value v;
+    bool semicolon = node->flags & AST_SEMI;
+
+    if ((node->marks || !node->target) && !check_marks(l, node))
+        return;
+    if (!declared_value(l, node->value, &v, &semicolon)) {
+        /* The name is known from now on: one mistake, one message. */
+        if (node->target->kind != AST_NAME || scope_find(node->target->name))
+            return;
+        harmless(&v);
+    } else if (!semicolon && value_is_number(&v) && !(l->diag->errors)) {
+        struct loc end = node->value->last ? node->value->last->at : node->at;
+        end.begin = end.end ? end.end - 1 : 0;
+        diag_error(l->diag, end, "';' is missing behind this declaration");
+    }
+    if (v.n == 5)
+        settle(&v);
+    if (node->target->kind == AST_NAME)
+        assign_name(l, node, &v);
+    else
+        array_assign(l, node->target, &v);
+}
+
+/* --- conditions and loops ------------------------------------------------------- */
+
+static bool holds(struct lang *l, const struct ast *branch)
+{
+    double x;
+
+    if (!branch->args)
+        return true;
+    if (branch->op == 'i')
+        return evaluate_number(l, branch->args, "a number as condition", &x) && is_true(x);
+    const struct ast *a = branch->args->first;
+    if (a && a->kind == AST_ERROR) {
+        diag_error(l->diag, a->at, "%s", a->text);
+        return false;
+    }
+    return a && array_is_defined(l, a) == (branch->op == 'd');
+}
+
+/* Where #end is missing, that is said behind the branch. */
+static void choose(struct lang *l, const struct ast *node)
+{
+    const struct ast *b = node->first, *after = node->last;
+
+    while (b && !(b->kind == AST_BRANCH && holds(l, b)))
+        b = b->next;
+    if (after->kind == AST_ERROR)
+        frame_push(l, FRAME_BRANCH, NULL, node)->next = after;
+    if (b && b->body->first)
+        frame_push(l, FRAME_BRANCH, b->body, node);
+}
+
+static bool round_counts(struct lang *l, struct loc at)
+{
+    if (++l->rounds <= l->limits->iterations)
+        return true;
+    lang_limit(l, at, "the loops of this scene have run more than %.0f times", l->limits->iterations);
+    return false;
+}
+
+static bool while_goes_on(struct lang *l, const struct ast *node)
+{
+    double x;
+
+    return evaluate_number(l, node->args, "a number as condition", &x) && is_true(x)
+        && round_counts(l, node->at);
+}
+
+static void start_while(struct lang *l, const struct ast *node)
+{
+    if (while_goes_on(l, node))
+        frame_push(l, FRAME_WHILE, node->body, node);
+}
+
+static bool for_goes_on(struct lang *l, struct frame *f)
+{
+    struct binding *b = scope_find(f->node->name);
+
+    if (!b || b->value->type != VALUE_NUMBER || b->value->n != 1) {
+        diag_error(l->diag, f->node->at, "the loop's variable '%s' is no number any more",
+                   f->node->name->text);
+        return false;
+    }
+    double x = b->value->v[0];
+    return (f->step > 0 ? x <= f->end + tolerance : x >= f->end - tolerance)
+        && round_counts(l, f->node->at);
+}
+
+static bool for_numbers(struct lang *l, const struct ast *node, double v[3])
+{
+    struct values list;
+    struct ast rest = *node->args;
+
+    if (rest.first && rest.first->kind == AST_COMMA)
+        rest.first = rest.first->next;
+    int n = node->name ? evaluate_list(l, &rest, &list, false) : -1;
+    if (n < 0)
+        return false;
+    if (n < 2 || n > 3) {
+        diag_error(l->diag, node->at, "#for takes a name, a start, an end and perhaps a step");
+        return false;
+    }
+    v[2] = 1;
+    for (int i = 0; i < n; i++) {
+        if (list.item[i].value.type != VALUE_NUMBER || list.item[i].value.n != 1) {
+            wrong_type(l, list.item[i].from->at, &list.item[i].value, "a number");
+            return false;
+        }
+        v[i] = list.item[i].value.v[0];
+    }
+    if (v[2] == 0)
+        diag_error(l->diag, node->at, "a #for loop with step 0 never ends");
+    return v[2] != 0;
+}
+
+static void start_for(struct lang *l, const struct ast *node)
+{
+    double v[3];
+
+    if (!node->name && node->args->first && node->args->first->kind == AST_ERROR)
+        diag_error(l->diag, node->args->first->at, "%s", node->args->first->text);
+    if (!for_numbers(l, node, v))
+        return;
+    struct binding *b = scope_declare(l, node->name, true, node->at);
+    *b->value = value_number(v[0]);
+    struct frame *f = frame_push(l, FRAME_FOR, node->body, node);
+    f->end = v[1];
+    f->step = v[2];
+    if (!for_goes_on(l, f))
+        frame_pop(l);
+}
+
+bool frame_end(struct lang *l)
+{
+    struct frame *f = &l->frame[l->n_frame - 1];
+    bool again = false;
+    unsigned which = l->n_frame - 1;
+
+    if (f->kind == FRAME_WHILE)
+        again = while_goes_on(l, f->node);
+    else if (f->kind == FRAME_FOR) {
+        struct binding *b = scope_find(f->node->name);
+        if (b && b->value->type == VALUE_NUMBER)
+            b->value->v[0] += f->step;
+        again = for_goes_on(l, f);
+    }
+    if (again && !l->stopped)
+        l->frame[which].next = l->frame[which].node->body->first;
+    else
+        frame_pop(l);
+    return again;
+}
+
+/* --- #switch ----------------------------------------------------------------------- */
+
+static bool matches(struct lang *l, const struct ast *label, double x)
+{
+    struct values list;
+    double v;
+
+    if (label->op == 'e')
+        return true;
+    if (label->op == 'c')
+        return evaluate_number(l, label->args, "a number", &v) && is_equal(v, x);
+    if (evaluate_list(l, label->args, &list, false) != 2) {
+        diag_error(l->diag, label->at, "#range takes two numbers");
+        return false;
+    }
+    return x >= list.item[0].value.v[0] && x <= list.item[1].value.v[0];
+}
+
+/* Directives may stand before the first label: they are carried out. */
+static void start_switch(struct reader *r, const struct ast *node)
+{
+    struct lang *l = r->lang;
+    const struct ast *a = node->body->first;
+    double x;
+
+    if (!evaluate_number(l, node->args, "a number", &x))
+        return;
+    for (; a && a->kind != AST_CASE; a = a->next) {
+        if (a->kind < AST_DECLARE) {
+            diag_error(l->diag, a->at, "#case or #range must follow #switch ( )");
+            return;
+        }
+        direct(r, a);
+    }
+    if (!a)
+        diag_error(l->diag, node->at, "this #switch has no #case");
+    for (; a; a = a->next)
+        if (a->kind == AST_CASE && matches(l, a, x)) {
+            frame_push(l, FRAME_SWITCH, node->body, node)->next = a->next;
+            return;
+        }
+}
+
+/* --- #break -------------------------------------------------------------------------- */
+
+static bool can_leave(enum frame_kind kind)
+{
+    return kind == FRAME_WHILE || kind == FRAME_FOR || kind == FRAME_SWITCH
+        || kind == FRAME_MACRO;
+}
+
+bool frame_break(struct reader *r, const struct ast *node)
+{
+    struct lang *l = r->lang;
+    unsigned i = l->n_frame;
+
+    while (i > r->base + 1 && !can_leave(l->frame[i - 1].kind))
+        i--;
+    if (i <= r->base + 1) {
+        diag_error(l->diag, node->at, "#break outside of a loop, #switch or macro");
+        return false;
+    }
+    while (l->n_frame >= i)
+        frame_pop(l);
+    return true;
+}
+
+/* --- macros ------------------------------------------------------------------------- */
+
+bool is_macro(const struct name *name)
+{
+    struct binding *b = name->slot;
+
+    return b && b->value->type == VALUE_MACRO;
+}
+
+static bool check_parameters(struct lang *l, const struct ast *node, int *n)
+{
+    bool comma = true;
+
+    *n = 0;
+    for (const struct ast *a = node->params->first; a; a = a->next) {
+        if (a->kind == AST_COMMA) {
+            if (comma)
+                diag_error(l->diag, a->at, "a parameter is missing before this comma");
+            comma = true;
+            continue;
+        }
+        if (a->kind != AST_NAME) {
+            diag_error(l->diag, a->at, "'%s' is a reserved word: it cannot be a parameter",
+                       a->name->text);
+            return false;
+        }
+        comma = false;
+        ++*n;
+    }
+    return true;
+}
+
+static void define_macro(struct lang *l, const struct ast *node)
+{
+    int n;
+
+    if (node->args) {
+        diag_error(l->diag, node->args->at, "%s", node->args->text);
+        if (!node->name)
+            return;
+    }
+    if (!node->name || !check_parameters(l, node, &n))
+        return;
+    struct binding *old = scope_find(node->name);
+    if (old && old->value->type != VALUE_MACRO) {
+        diag_error(l->diag, node->at, "'%s' is a %s already: it cannot be a macro",
+                   node->name->text, value_name(old->value));
+        return;
+    }
+    struct macro *m = arena_alloc(l->mem, sizeof *m);
+    *m = (struct macro) { node->name, node, n };
+    struct binding *b = scope_declare_global(l, node->name, node->at);
+    *b->value = value_thing(VALUE_MACRO, m);
+    b->at = node->at;
+}
+
+/* A macro's argument before its scope is open. */
+struct argument { struct value value; struct value *refers; };
+
+/* A name alone is passed by reference, but for functions. */
+static bool by_reference(struct lang *l, const struct ast *a, struct argument *out)
+{
+    if (a->kind != AST_NAME && a->kind != AST_INDEX)
+        return false;
+    if (a->kind == AST_INDEX) {
+        if (!array_item(l, a, true))
+            return false;
+        out->refers = array_place(l, a);
+        return out->refers;
+    }
+    struct binding *b = scope_find(a->name);
+    if (!b || b->value->type == VALUE_FUNCTION || b->value->type == VALUE_MACRO
+        || b->deprecated)
+        return false;
+    out->refers = b->value;
+    return true;
+}
+
+/* Is a name all that stands between two commas? */
+static const struct ast *lone(const struct ast *a)
+{
+    return !a->next || a->next->kind == AST_COMMA ? a : NULL;
+}
+
+static bool take_argument(struct lang *l, struct reader *r, struct argument *out)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    *out = (struct argument) { .refers = NULL };
+    if (a && lone(a) && by_reference(l, a, out)) {
+        r->has_node = false;
+        return true;
+    }
+    if (!thing_value(l, r, &out->value))
+        return false;
+    while (out->value.type == VALUE_TEXTURE && item_is_block(reader_peek(r), "texture")) {
+        struct item layer = reader_next(r);
+        if (!build_value(l, layer.word, &layer, &out->value))
+            return false;
+    }
+    if (out->value.n == 5)
+        settle(&out->value);
+    return true;
+}
+
+static void say_count(struct lang *l, const struct ast *call, const struct macro *m, int n)
+{
+    diag_error(l->diag, call->at, "macro '%s' takes %d argument%s, not %s%d", m->name->text, m->n,
+               m->n == 1 ? "" : "s", n > m->n ? "more than " : "", n > m->n ? m->n : n);
+    diag_note(l->diag, m->node->at, "it is defined here");
+}
+
+static bool spliced_arguments(struct lang *l, const struct ast *call, const struct macro *m,
+                              struct argument *argument)
+{
+    struct reader r;
+    int n = 0;
+    bool fine = true;
+
+    reader_open(&r, l, call->args);
+    while (fine && reader_peek(&r)->kind != ITEM_END && n < m->n) {
+        fine = take_argument(l, &r, &argument[n++]);
+        reader_skip_comma(&r);
+    }
+    fine = fine && !r.failed;
+    if (fine && (n < m->n || reader_peek(&r)->kind != ITEM_END)) {
+        say_count(l, call, m, reader_peek(&r)->kind == ITEM_END ? n : m->n + 1);
+        fine = false;
+    }
+    reader_close(&r);
+    return fine;
+}
+
+static bool plain_arguments(struct lang *l, const struct ast *call, const struct macro *m,
+                            struct argument *argument)
+{
+    if (call->args->n != m->n) {
+        say_count(l, call, m, call->args->n);
+        return false;
+    }
+    unsigned errors = l->diag->errors;
+    for (const struct ast *a = call->args->first; a; a = a->next, argument++) {
+        argument->refers = NULL;
+        if (by_reference(l, a, argument))
+            continue;
+        evaluate(l, a, &argument->value);
+        if (argument->value.n == 5)
+            settle(&argument->value);
+        value_share(&argument->value);
+    }
+    return errors == l->diag->errors;
+}
+
+static void bind_arguments(struct lang *l, const struct macro *m, struct argument *argument)
+{
+    for (const struct ast *a = m->node->params->first; a; a = a->next) {
+        if (a->kind != AST_NAME)
+            continue;
+        struct binding *b = scope_parameter(l, a->name, argument->refers, a->at);
+        if (!argument->refers)
+            b->own = argument->value;
+        argument++;
+    }
+}
+
+bool macro_call(struct lang *l, const struct ast *call)
+{
+    const struct binding *b = call->name->slot;
+    const struct macro *m = b->value->thing;
+    enum { FEW = 8 };
+    struct argument few[FEW], *argument = few;
+    struct ast plain = *call->args;
+
+    if (l->n_call >= l->limits->call_depth) {
+        lang_limit(l, call->at, "macro '%s' calls are nested more than %u deep: does it ever end?",
+                   m->name->text, l->limits->call_depth);
+        return false;
+    }
+    if (m->n > FEW)
+        argument = arena_array(l->mem, (size_t)m->n, sizeof *argument);
+    if (!(plain.flags & AST_PLAIN ? plain_arguments : spliced_arguments)(l, call, m, argument))
+        return false;
+    scope_open(l);
+    bind_arguments(l, m, argument);
+    frame_push(l, FRAME_MACRO, m->node->body, call);
+    l->n_call++;
+    return true;
+}
+
+/* --- the rest ------------------------------------------------------------------------- */
+
+static void undef(struct lang *l, const struct ast *node)
+{
+    const struct ast *target = node->target;
+
+    if (target->kind == AST_INDEX) {
+        struct value *v = array_place(l, target);
+        if (v)
+            v->type = VALUE_NONE;
+    } else if (!scope_find(target->name))
+        diag_warning(l->diag, target->at, "#undef of '%s', which is not declared",
+                     target->name->text);
+    else
+        scope_undef(l, target->name);
+}
+
+static void set_version(struct lang *l, const struct ast *node)
+{
+    struct value v;
+
+    evaluate(l, node->right, &v);
+    if (v.type != VALUE_NUMBER || v.n != 1) {
+        wrong_type(l, node->right->at, &v, "a number");
+        return;
+    }
+    int version = (int)floor(v.v[0] * 100 + 0.5);
+    if (version > 370) {
+        diag_error(l->diag, node->right->at,
+                   "this scene is for version %g of the language; rtc knows 3.7", v.v[0]);
+        return;
+    }
+    if (!(node->flags & AST_SEMI))
+        diag_warning(l->diag, node->at, "';' is missing behind #version");
+    l->version = version;
+    l->version_given = true;
+    build_version(l);
+}
+
+static void set_default(struct lang *l, const struct ast *node)
+{
+    struct reader r;
+
+    reader_open(&r, l, node->body);
+    build_default(l, &r);
+    reader_close(&r);
+}
+
+void direct(struct reader *r, const struct ast *node)
+{
+    struct lang *l = r->lang;
+
+    switch (node->kind) {
+    case AST_DECLARE: declare(l, node); return;
+    case AST_UNDEF: undef(l, node); return;
+    case AST_IF: choose(l, node); return;
+    case AST_WHILE: start_while(l, node); return;
+    case AST_FOR: start_for(l, node); return;
+    case AST_SWITCH: start_switch(r, node); return;
+    case AST_BREAK: frame_break(r, node); return;
+    case AST_MACRO: define_macro(l, node); return;
+    case AST_INCLUDE: include(l, node); return;
+    case AST_VERSION: set_version(l, node); return;
+    case AST_MESSAGE: message_say(l, node); return;
+    case AST_DEFAULT: set_default(l, node); return;
+    case AST_FOPEN: file_open(l, node); return;
+    case AST_FCLOSE: file_close(l, node); return;
+    case AST_READ: file_read(l, node); return;
+    case AST_WRITE: file_write(l, node); return;
+    default: return;
+    }
+}

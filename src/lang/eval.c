@@ -1,0 +1,504 @@
+/* eval.c: expressions to values. */
+#include "lang/eval.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lang/array.h"
+#include "lang/call.h"
+#include "lang/chain.h"
+#include "lang/frame.h"
+#include "lang/function.h"
+#include "lang/guess.h"
+#include "lang/scope.h"
+
+static const double tolerance = 1e-10;  /* POV-Ray's, absolute */
+
+bool is_true(double x)
+{
+    return fabs(x) > tolerance;
+}
+
+/* NaN equals NaN: the difference is not large. */
+bool is_equal(double a, double b)
+{
+    return !(fabs(a - b) > tolerance);
+}
+
+void harmless(struct value *out)
+{
+    *out = value_number(0);
+}
+
+void wrong_type(struct lang *l, struct loc at, const struct value *v, const char *wanted)
+{
+    if (v->type == VALUE_NUMBER)
+        diag_error(l->diag, at, "expected %s, found a %s of %d component%s", wanted, value_name(v),
+                   v->n, v->n == 1 ? "" : "s");
+    else
+        diag_error(l->diag, at, "expected %s, found %s", wanted, value_name(v));
+}
+
+/* --- operators -------------------------------------------------------------- */
+
+static double compare(int op, double a, double b)
+{
+    switch (op) {
+    case '<': return a < b;
+    case '>': return a > b;
+    case AST_OP_LE: return a <= b || is_equal(a, b);
+    case AST_OP_GE: return a >= b || is_equal(a, b);
+    case '=': return is_equal(a, b);
+    default: return !is_equal(a, b);
+    }
+}
+
+static double divide(struct lang *l, struct loc at, double a, double b)
+{
+    if (b != 0)
+        return a / b;
+    diag_warning(l->diag, at, "division by zero");
+    return INFINITY;
+}
+
+static double operate(struct lang *l, struct loc at, int op, double a, double b)
+{
+    switch (op) {
+    case '+': return a + b;
+    case '-': return a - b;
+    case '*': return a * b;
+    case '/': return divide(l, at, a, b);
+    case '&': return is_true(a) && is_true(b);
+    case '|': return is_true(a) || is_true(b);
+    default: return compare(op, a, b);
+    }
+}
+
+/* The smaller operand grows: a number into all components, a vector by zeros. */
+static void extend(struct value *v, int n)
+{
+    for (int i = v->n; i < n; i++)
+        v->v[i] = v->n == 1 ? v->v[0] : 0;
+    v->n = n;
+}
+
+static void compare_texts(struct lang *l, struct loc at, int op, struct value *a,
+                          const struct value *b)
+{
+    if (strchr("+-*/&|", op)) {
+        diag_error(l->diag, at, "'%c' cannot join texts%s", op, op == '+' ? ": use concat" : "");
+        harmless(a);
+    } else
+        *a = value_number(compare(op, text_compare(&a->text, &b->text), 0));
+}
+
+void binary(struct lang *l, struct loc at, int op, struct value *a, const struct value *b)
+{
+    struct value other;
+
+    if (a->type == VALUE_NUMBER && b->type == VALUE_NUMBER && a->n == 1 && b->n == 1) {
+        a->v[0] = operate(l, at, op, a->v[0], b->v[0]);
+        return;
+    }
+    if (a->type == VALUE_TEXT && b->type == VALUE_TEXT) {
+        compare_texts(l, at, op, a, b);
+        return;
+    }
+    if (!value_is_number(a) || !value_is_number(b)) {
+        wrong_type(l, at, value_is_number(a) ? b : a, "numbers on both sides");
+        harmless(a);
+        return;
+    }
+    other = *b;
+    extend(a, b->n);
+    extend(&other, a->n);
+    if (other.type == VALUE_COLOUR)
+        a->type = VALUE_COLOUR;
+    for (int i = 0; i < a->n; i++)
+        a->v[i] = operate(l, at, op, a->v[i], other.v[i]);
+}
+
+void unary(struct lang *l, struct loc at, int op, struct value *v)
+{
+    if (!value_is_number(v)) {
+        wrong_type(l, at, v, "a number");
+        harmless(v);
+        return;
+    }
+    for (int i = 0; i < v->n; i++)
+        v->v[i] = op == '-' ? -v->v[i] : op == '!' ? !is_true(v->v[i]) : v->v[i];
+}
+
+void member(struct lang *l, const struct ast *a, struct value *v)
+{
+    int index = a->index;
+
+    if (!value_is_number(v)) {
+        wrong_type(l, a->at, v, "a vector or colour");
+        harmless(v);
+    } else if (index >= AST_GRAY) {
+        double c[5] = { 0 };
+        memcpy(c, v->v, (size_t)v->n * sizeof *c);
+        *v = value_number(0.297 * c[0] + 0.589 * c[1] + 0.114 * c[2]);
+    } else if (index >= v->n) {
+        diag_error(l->diag, a->at, "a %s of %d component%s has no such component", value_name(v),
+                   v->n, v->n == 1 ? "" : "s");
+        harmless(v);
+    } else
+        *v = value_number(v->v[index]);
+}
+
+/* --- operands ---------------------------------------------------------------- */
+
+static void eval(struct lang *l, const struct ast *a, struct value *out);
+
+static void say_undeclared(struct lang *l, struct loc at, const char *name)
+{
+    struct guess g = guess_start(name);
+
+    guess_names(&g, l);
+    diag_error(l->diag, at, "undeclared name '%s'%s", name, guess_text(&g, l));
+}
+
+static void warn_deprecated(struct lang *l, struct loc at, struct binding *b)
+{
+    diag_warning(l->diag, at, "%s", b->deprecated);
+    if (b->warn_once)
+        b->deprecated = NULL;
+}
+
+static void eval_name(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct binding *b = scope_find(a->name);
+
+    if (!b) {
+        say_undeclared(l, a->at, a->name->text);
+        harmless(out);
+        return;
+    }
+    if (b->deprecated)
+        warn_deprecated(l, a->at, b);
+    const struct value *v = b->value;
+    if (v->type == VALUE_NUMBER && v->n == 1) {
+        out->type = VALUE_NUMBER;
+        out->n = 1;
+        out->v[0] = v->v[0];
+        return;
+    }
+    *out = *v;
+    if (v->type == VALUE_MACRO) {
+        diag_error(l->diag, a->at, "macro '%s' is called without parentheses", a->name->text);
+        harmless(out);
+    } else if (v->type == VALUE_NONE) {
+        diag_error(l->diag, a->at, "'%s' has no value", a->name->text);
+        harmless(out);
+    }
+}
+
+static void eval_index(struct lang *l, const struct ast *a, struct value *out)
+{
+    const struct value *v = array_item(l, a, false);
+
+    if (v)
+        *out = *v;
+    else
+        harmless(out);
+}
+
+static void eval_vector(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct values list;
+    struct value v = { .type = VALUE_NUMBER };
+    int n = evaluate_list(l, a->args, &list, false);
+
+    harmless(out);
+    if (n < 0)
+        return;
+    if (n < 2 || n > 5 || (n == 5 && list.last_comma)) {
+        diag_error(l->diag, a->at, "a vector has 2 to 5 components, not %d%s", n,
+                   n == 5 ? " and a comma" : "");
+        return;
+    }
+    for (int i = 0; i < n; i++) {
+        if (!value_is_number(&list.item[i].value) || list.item[i].value.n != 1) {
+            wrong_type(l, list.item[i].from->at, &list.item[i].value, "a number as component");
+            return;
+        }
+        v.v[i] = list.item[i].value.v[0];
+    }
+    v.n = n;
+    *out = v;
+}
+
+static void eval_condition(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct value condition, other;
+
+    evaluate(l, a->left, &condition);
+    evaluate(l, a->right, out);
+    evaluate(l, a->third, &other);
+    if (!value_is_number(&condition) || condition.n != 1)
+        wrong_type(l, a->left->at, &condition, "a number before '?'");
+    else if (!is_true(condition.v[0]))
+        *out = other;
+}
+
+static void eval_call(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct value called;
+
+    if (a->params) {
+        const struct ast element = { .kind = AST_INDEX, .at = a->at, .name = a->name,
+                                     .args = a->params };
+        eval_index(l, &element, &called);
+    } else
+        eval_name(l, a, &called);
+    harmless(out);
+    if (called.type == VALUE_FUNCTION)
+        function_call(l, a, called.thing, out);
+    else if (called.type == VALUE_SPLINE)
+        spline_call(l, a, called.thing, out);
+    else if (a->params || scope_find(a->name))
+        diag_error(l->diag, a->at, "'%s' is %s, not a function or macro", a->name->text,
+                   value_name(&called));
+}
+
+static void eval_binary(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct value right;
+
+    eval(l, a->left, out);
+    eval(l, a->right, &right);
+    binary(l, a->at, a->op, out, &right);
+}
+
+static void eval(struct lang *l, const struct ast *a, struct value *out)
+{
+    switch (a->kind) {
+    case AST_NUMBER:
+        out->type = VALUE_NUMBER;
+        out->n = 1;
+        out->v[0] = a->number;
+        return;
+    case AST_NAME: eval_name(l, a, out); return;
+    case AST_BINARY: eval_binary(l, a, out); return;
+    case AST_UNARY:
+        eval(l, a->right, out);
+        unary(l, a->at, a->op, out);
+        return;
+    case AST_FUNC: call_run(l, a, out); return;
+    case AST_PAREN: evaluate_one(l, a->args, "a value in the parentheses", out); return;
+    case AST_VECTOR: eval_vector(l, a, out); return;
+    case AST_INDEX: eval_index(l, a, out); return;
+    case AST_CONSTANT: a->word->constant->get(l, out); return;
+    case AST_MEMBER:
+        eval(l, a->left, out);
+        member(l, a, out);
+        return;
+    case AST_TEXT: *out = text_literal(l, a); return;
+    case AST_CALL: eval_call(l, a, out); return;
+    case AST_CONDITION: eval_condition(l, a, out); return;
+    case AST_ERROR:
+        diag_error(l->diag, a->at, "%s", a->text);
+        if (a->other.source)
+            diag_note(l->diag, a->other, "opened here");
+        break;
+    default:
+        diag_error(l->diag, a->at, "expected a value");
+    }
+    harmless(out);
+}
+
+/* --- chains ------------------------------------------------------------------ */
+
+static struct value *slot_of(struct chain *c, int slot)
+{
+    return &((struct value_chain *)c->arg)->value[slot];
+}
+
+static void chain_operand(struct chain *c, const struct ast *a, int slot)
+{
+    evaluate(c->lang, a, slot_of(c, slot));
+}
+
+static void chain_unary(struct chain *c, struct loc at, int op, int slot)
+{
+    unary(c->lang, at, op, slot_of(c, slot));
+}
+
+static void chain_binary(struct chain *c, struct loc at, int op, int slot)
+{
+    binary(c->lang, at, op, slot_of(c, slot), slot_of(c, slot + 1));
+}
+
+static void chain_member(struct chain *c, const struct ast *a, int slot)
+{
+    member(c->lang, a, slot_of(c, slot));
+}
+
+static const struct chain_ops value_ops = { chain_operand, chain_unary, chain_binary,
+                                            chain_member, false };
+
+void value_chain_start(struct value_chain *c, struct lang *l)
+{
+    chain_start(&c->chain, l, &value_ops, c);
+}
+
+void value_chain_end(struct value_chain *c, struct loc at, struct value *out)
+{
+    if (chain_end(&c->chain, at))
+        *out = c->value[0];
+    else
+        harmless(out);
+}
+
+void evaluate(struct lang *l, const struct ast *a, struct value *out)
+{
+    struct value_chain c;
+
+    if (!(a->flags & AST_HAS_CALL) || !chain_needed(a)) {
+        eval(l, a, out);
+        return;
+    }
+    value_chain_start(&c, l);
+    chain_add(&c.chain, a);
+    value_chain_end(&c, a->at, out);
+}
+
+/* --- lists -------------------------------------------------------------------- */
+
+static struct evaluated *room_for(struct lang *l, struct values *values)
+{
+    int n = values->n;
+
+    if (n >= USUAL_VALUES && (n & (n - 1)) == 0) {      /* full: at 8, 16, 32 ... */
+        struct evaluated *more = arena_array(l->mem, (size_t)n * 2, sizeof *more);
+        memcpy(more, values->item, (size_t)n * sizeof *more);
+        values->item = more;
+    }
+    return &values->item[values->n++];
+}
+
+static int plain_values(struct lang *l, const struct ast *list, struct values *values)
+{
+    for (const struct ast *a = list->first; a; a = a->next) {
+        struct evaluated *e = room_for(l, values);
+        e->from = a;
+        evaluate(l, a, &e->value);
+        e = &values->item[values->n - 1];
+    }
+    values->last_comma = list->flags & AST_LAST_COMMA;
+    return values->n;
+}
+
+static bool take_value(struct lang *l, struct reader *r, struct values *values)
+{
+    struct item i = reader_next(r);
+
+    if (i.kind != ITEM_VALUE) {
+        if (i.kind == ITEM_NAME)
+            say_undeclared(l, i.at, i.text);
+        else if (!r->failed)
+            diag_error(l->diag, i.at, "expected a value, found %s", item_describe(l, &i));
+        return false;
+    }
+    struct evaluated *e = room_for(l, values);
+    struct ast *from = arena_alloc(l->mem, sizeof *from);
+    from->kind = AST_NUMBER;
+    from->at = i.at;
+    e->value = i.value;
+    e->from = from;
+    return true;
+}
+
+static int spliced_values(struct lang *l, const struct ast *list, struct values *values,
+                          bool commas)
+{
+    struct reader r;
+    bool fine = true, had_comma = true;
+
+    reader_open(&r, l, list);
+    while (fine && reader_peek(&r)->kind != ITEM_END) {
+        if (reader_peek(&r)->kind == ITEM_COMMA) {
+            fine = !had_comma && values->n;
+            if (!fine)
+                diag_error(l->diag, reader_peek(&r)->at, "a value is missing before this comma");
+            had_comma = true;
+            reader_next(&r);
+            continue;
+        }
+        if (commas && !had_comma) {
+            diag_error(l->diag, reader_peek(&r)->at, "a comma is missing here");
+            fine = false;
+            break;
+        }
+        fine = take_value(l, &r, values);
+        had_comma = false;
+    }
+    fine = fine && !r.failed;
+    reader_close(&r);
+    values->last_comma = had_comma && values->n;
+    return fine ? values->n : -1;
+}
+
+int evaluate_list(struct lang *l, const struct ast *list, struct values *values, bool commas)
+{
+    values->item = values->usual;
+    values->n = 0;
+    if (!(list->flags & AST_PLAIN))
+        return spliced_values(l, list, values, commas);
+    if (commas && !(list->flags & AST_ALL_COMMAS)) {
+        diag_error(l->diag, list->at, "commas must stand between the arguments here");
+        return -1;
+    }
+    return plain_values(l, list, values);
+}
+
+/* A list that should be one value, with operators from directives. */
+static void chained(struct lang *l, const struct ast *list, struct value *out)
+{
+    struct value_chain c;
+
+    value_chain_start(&c, l);
+    chain_add_list(&c.chain, list);
+    value_chain_end(&c, list->at, out);
+}
+
+void evaluate_one(struct lang *l, const struct ast *list, const char *what, struct value *out)
+{
+    if (list->flags & AST_PLAIN && list->n == 1 && !(list->flags & AST_LAST_COMMA))
+        evaluate(l, list->first, out);
+    else if (!list->first) {
+        diag_error(l->diag, list->at, "expected %s", what);
+        harmless(out);
+    } else
+        chained(l, list, out);
+}
+
+bool evaluate_number(struct lang *l, const struct ast *list, const char *what, double *out)
+{
+    struct value v;
+
+    *out = 0;
+    evaluate_one(l, list, what, &v);
+    if (!value_is_number(&v) || v.n != 1) {
+        wrong_type(l, list->first ? list->first->at : list->at, &v, what);
+        return false;
+    }
+    *out = v.v[0];
+    return true;
+}
+
+bool evaluate_text(struct lang *l, const struct ast *a, const char *what, struct text *out)
+{
+    struct value v;
+
+    evaluate(l, a, &v);
+    if (v.type != VALUE_TEXT) {
+        wrong_type(l, a->at, &v, what);
+        *out = (struct text) { "", 0 };
+        return false;
+    }
+    *out = v.text;
+    return true;
+}

@@ -1,0 +1,57 @@
+/* frame.h: where the readers are: a stack of lists that are being walked. */
+#ifndef RTC_FRAME_H
+#define RTC_FRAME_H
+
+#include "lang/state.h"
+
+enum frame_kind {
+    FRAME_LIST,                 /* a block's body */
+    FRAME_BRANCH,               /* of an #if */
+    FRAME_WHILE, FRAME_FOR, FRAME_SWITCH,
+    FRAME_MACRO, FRAME_INCLUDE, /* these have a scope */
+};
+
+struct macro {
+    const struct name *name;
+    const struct ast *node;     /* AST_MACRO */
+    int n;                      /* parameters */
+};
+
+struct frame {
+    enum frame_kind kind;
+    const struct ast *next;     /* the item to come; NULL: at the end */
+    const struct ast *node;     /* the directive or call */
+    uint32_t bulk;              /* how many of next's constants are taken */
+    bool bulk_comma;            /* the one before was taken, its comma was not */
+    double step, end;           /* FRAME_FOR */
+    struct loc at;              /* of the call or directive */
+};
+
+/* Pushes a frame for a list onto the innermost reader. */
+struct frame *frame_push(struct lang *l, enum frame_kind kind, const struct ast *list,
+                         const struct ast *node);
+/* At the end of its list: a loop goes on (true), anything else is popped. */
+bool frame_end(struct lang *l);
+void frame_pop(struct lang *l);
+bool frame_break(struct reader *r, const struct ast *node);
+
+/* The next node that is neither directive nor macro call, carrying out what
+ * comes before it; NULL at the end. */
+const struct ast *reader_step(struct reader *r);
+const struct ast *reader_look(struct reader *r);    /* the same, not taken */
+
+void reader_start(struct reader *r, struct lang *l, const struct ast *list);
+
+/* Carries out a directive. */
+void direct(struct reader *r, const struct ast *node);
+
+/* Runs a macro: its frame is pushed.  False: it is none, or an error was said. */
+bool macro_call(struct lang *l, const struct ast *call);
+bool is_macro(const struct name *name);
+
+/* The value of what stands in a list on the right of '='; false: reported.
+ * semicolon: one was found in it. */
+bool thing_value(struct lang *l, struct reader *r, struct value *out);      /* one, from a reader */
+bool declared_value(struct lang *l, const struct ast *list, struct value *out, bool *semicolon);
+
+#endif

@@ -1,0 +1,212 @@
+/* lang.c: from a scene's text to a scene. */
+#include "lang/lang.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lang/build.h"
+#include "lang/file.h"
+#include "lang/frame.h"
+#include "lang/message.h"
+#include "lang/number.h"
+#include "lang/parsing.h"
+#include "lang/scope.h"
+#include "lang/state.h"
+
+enum { MOST_NOTES = 6 };
+
+/* Which macro calls and includes an error is in, the innermost first. */
+static void add_context(struct diag *d, void *arg)
+{
+    struct lang *l = arg;
+    int notes = 0;
+
+    for (unsigned i = l->n_frame; i-- > 0;) {
+        const struct frame *f = &l->frame[i];
+        if (f->kind != FRAME_MACRO && f->kind != FRAME_INCLUDE)
+            continue;
+        if (++notes > MOST_NOTES)
+            return;
+        if (f->kind == FRAME_MACRO)
+            diag_note(d, f->at, "in macro '%s', called here", f->node->name->text);
+        else
+            diag_note(d, f->at, "in the file included here");
+    }
+}
+
+void lang_limit(struct lang *l, struct loc at, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+
+    if (l->limit_reached)
+        return;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    diag_error(l->diag, at, "%s", text);
+    l->stopped = l->limit_reached = true;
+}
+
+bool lang_limit_reached(const struct lang *l)
+{
+    return l->limit_reached;
+}
+
+/* --- what is declared before the scene begins -------------------------------------- */
+
+static void predeclare(struct lang *l, const char *name, struct value v)
+{
+    *scope_declare_global(l, name_intern(&l->names, name, strlen(name)), (struct loc) { 0 })->value
+        = v;
+}
+
+/* These pass through text with six digits in POV-Ray, and so they do here. */
+static double six_digits(double x)
+{
+    char text[64];
+
+    snprintf(text, sizeof text, "%g", x);
+    return number_of_text(text);
+}
+
+/* NAME=number or NAME="text". */
+static void declare_option(struct lang *l, const char *option)
+{
+    const char *equals = strchr(option, '=');
+    size_t n = equals ? (size_t)(equals - option) : 0;
+    char *name = arena_text(l->mem, option, n);
+
+    if (!n || word_find(l, name)) {
+        diag_error(l->diag, (struct loc) { 0 }, "'%s' cannot be declared: expected NAME=VALUE",
+                   option);
+        return;
+    }
+    size_t size = strlen(equals + 1);
+    if (equals[1] == '"' && size >= 2)
+        predeclare(l, name, value_text(l, equals + 2, size - 1 - (equals[size] == '"')));
+    else
+        predeclare(l, name, value_number(six_digits(number_of_text(equals + 1))));
+}
+
+static void predeclare_all(struct lang *l)
+{
+    const struct lang_setup *s = &l->setup;
+
+    predeclare(l, "image_width", value_number(s->width));
+    predeclare(l, "image_height", value_number(s->height));
+    predeclare(l, "frame_number", value_number(s->frame_number));
+    predeclare(l, "initial_frame", value_number(s->initial_frame));
+    predeclare(l, "final_frame", value_number(s->final_frame));
+    predeclare(l, "initial_clock", value_number(six_digits(s->initial_clock)));
+    predeclare(l, "final_clock", value_number(six_digits(s->final_clock)));
+    predeclare(l, "clock_delta", value_number(six_digits(s->clock_delta)));
+    for (size_t i = 0; i < s->n_declare; i++)
+        declare_option(l, s->declare[i]);
+}
+
+struct lang *lang_new(const struct lang_setup *setup)
+{
+    struct lang *l = arena_alloc(setup->mem, sizeof *l);
+
+    l->setup = *setup;
+    l->mem = setup->mem;
+    l->scene_mem = setup->scene_mem;
+    l->sources = setup->sources;
+    l->diag = setup->diag;
+    l->limits = setup->limits;
+    l->folder = "";
+    l->version = setup->version > 0 ? (int)(setup->version * 100 + 0.5) : 370;
+    l->version_given = setup->version > 0;
+    names_init(&l->names, l->mem);
+    words_init(l);
+    l->diag->context = add_context;
+    l->diag->context_arg = l;
+    predeclare_all(l);
+    return l;
+}
+
+/* --- the stages ------------------------------------------------------------------------ */
+
+static bool open_scene(struct lang *l, const char *path, uint32_t *number)
+{
+    const char *slash = strrchr(path, '/');
+
+    if (slash && strcmp(path, "-") != 0)
+        l->folder = arena_text(l->mem, path, (size_t)(slash - path + 1));
+    if (!source_read(l->sources, path, (struct loc) { 0 }, l->limits->source_bytes, number)) {
+        diag_error(l->diag, (struct loc) { 0 }, "cannot read '%s': %s", path, strerror(errno));
+        return false;
+    }
+    const char *name = slash ? slash + 1 : path;
+    predeclare(l, "input_file_name", value_text(l, name, strlen(name)));
+    return true;
+}
+
+const struct ast *lang_parse(struct lang *l, const char *path)
+{
+    uint32_t number;
+
+    if (!open_scene(l, path, &number))
+        return NULL;
+    return parse_source(l, number);
+}
+
+static void build_items(struct lang *l, const struct ast *tree)
+{
+    struct reader r;
+
+    reader_open(&r, l, tree);
+    while (!l->stopped && reader_peek(&r)->kind != ITEM_END) {
+        build_statement(l, &r, reader_next(&r));
+        r.failed = false;
+        l->stopped = l->stopped || l->diag->full;
+    }
+    reader_close(&r);
+}
+
+struct scene *lang_build(struct lang *l, const struct ast *tree)
+{
+    l->scene = arena_alloc(l->scene_mem, sizeof *l->scene);
+    scene_init(l->scene, l->scene_mem);
+    build_version(l);
+    if (tree)
+        build_items(l, tree);
+    build_end(l);
+    message_end(l);
+    files_end(l);
+    return l->scene;
+}
+
+void lang_free(struct lang *l)
+{
+    files_end(l);
+    if (l->diag->context_arg == l)
+        l->diag->context = NULL;
+}
+
+static int by_text(const void *a, const void *b)
+{
+    const struct word *const *v = a, *const *w = b;
+
+    return strcmp((*v)->text, (*w)->text);
+}
+
+void lang_list_words(FILE *out)
+{
+    struct arena mem;
+    struct lang l = { .mem = &mem };
+
+    arena_init(&mem, NULL);
+    names_init(&l.names, &mem);
+    words_init(&l);
+    const struct word **list = arena_array(&mem, l.n_word, sizeof *list);
+    for (size_t i = 0; i < l.n_word; i++)
+        list[i] = &l.word[i];
+    qsort(list, l.n_word, sizeof *list, by_text);
+    for (size_t i = 0; i < l.n_word; i++)
+        fprintf(out, "%s\t%s\n", list[i]->text, list[i]->help ? list[i]->help : "");
+    arena_free(&mem);
+}

@@ -1,0 +1,72 @@
+/* parsing.h: what the scanner and the parser share while one text is parsed. */
+#ifndef RTC_PARSING_H
+#define RTC_PARSING_H
+
+#include "lang/ast.h"
+#include "lang/state.h"
+
+/* What is open around a place.  The scanner keeps the stack, so that it can
+ * tell '<' the comparison from '<' the vector, close what the user forgot to
+ * close, and refuse nesting beyond the limit before the parser's own stack
+ * or a recursion feels it. */
+enum open_kind {
+    OPEN_BRACE,                 /* { } of a block */
+    OPEN_FUNCTION,              /* { } of a function: '<' always compares */
+    OPEN_GROUP,                 /* ( ) in which comparisons may stand */
+    OPEN_ARGS,                  /* ( ) of a call */
+    OPEN_BRACKET,
+    OPEN_VECTOR,
+    OPEN_IF, OPEN_LOOP, OPEN_SWITCH, OPEN_MACRO,    /* until #end */
+};
+
+struct open {
+    uint8_t kind;               /* enum open_kind */
+    bool in_function;           /* here '<' always compares */
+    bool has_else;
+    struct loc at;
+};
+
+struct parse {
+    struct lang *lang;
+    struct arena *mem;
+    uint32_t source;
+    char *text;
+    size_t size;
+    void *scanner;
+    struct open *open;
+    unsigned n_open;
+    int last;                   /* the token before */
+    bool file_name;             /* a text that follows is a file's name */
+    int function;               /* 1: behind the word function, 2: behind its ( ), else 0 */
+    bool deep;                  /* nested beyond the limit: the rest is not read */
+    int owed;                   /* a token to give again after those that close brackets */
+    bool ended;
+    struct ast *pending;        /* a message that no list has taken yet */
+    struct ast *root;
+};
+
+/* Parses a text that is one of the sources; never NULL. */
+struct ast *parse_source(struct lang *l, uint32_t source);
+
+/* In the scanner (scan.l). */
+bool scanner_start(struct parse *p);
+void scanner_end(struct parse *p);
+void scanner_dump(struct lang *l, uint32_t source, FILE *out);      /* in parse.y: it names tokens */
+struct parse *parse_start(struct lang *l, uint32_t source);
+
+/* Nodes (ast.c). */
+struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at);
+struct ast *ast_list(struct parse *p, struct loc at);
+struct ast *ast_add(struct ast *list, struct ast *item);        /* item may be NULL */
+struct ast *ast_pack(struct ast *list);     /* of values: see AST_PLAIN */
+struct ast *ast_close(struct parse *p, struct ast *list, struct loc open, struct loc close);
+struct ast *ast_unary(struct parse *p, struct loc at, int op, struct ast *right);
+struct ast *ast_binary(struct parse *p, struct loc at, int op, struct ast *left, struct ast *right);
+struct ast *ast_tail(struct parse *p, struct loc at, int op, struct ast *right);
+struct ast *ast_condition(struct parse *p, struct loc at, struct ast *a, struct ast *b,
+                          struct ast *c);
+struct ast *ast_member(struct parse *p, struct loc at, struct ast *left, const char *name);
+struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+#endif
