@@ -217,5 +217,8 @@ void use_camera(struct lang *l, struct loc at, const struct value *made)
     if (l->build->has_camera)
         diag_warning(l->diag, at, "a second camera: only the last one counts");
     l->build->has_camera = true;
-    l->scene->camera = *(const struct camera *)made->thing;
+    const struct camera *c = made->thing;
+    if (c->aperture != 0 && c->blur_samples > 0)
+        diag_unsupported(l->diag, at, "focal blur (aperture)");
+    l->scene->camera = *c;
 }

@@ -137,6 +137,7 @@ bool build_word_value(struct lang *l, struct reader *r, const struct item *word,
 /* --- what the picture cannot show yet ---------------------------------------------------------- */
 
 static void report_pigment(struct lang *l, struct loc at, const struct pigment *p);
+static void report_finish(struct lang *l, struct loc at, const struct finish *f);
 
 static void report_texture(struct lang *l, struct loc at, const struct texture *t)
 {
@@ -145,6 +146,8 @@ static void report_texture(struct lang *l, struct loc at, const struct texture *
             diag_unsupported(l->diag, at, t->unsupported);
         if (t->kind == TEXTURE_PLAIN && t->pigment)
             report_pigment(l, at, t->pigment);
+        if (t->kind == TEXTURE_PLAIN && t->finish)
+            report_finish(l, at, t->finish);
         if (t->normal)
             diag_unsupported(l->diag, at, arena_format(l->mem, "normal (%s)", t->normal->word
                                                        ? t->normal->word : "plain"));
@@ -164,6 +167,22 @@ static void report_pigment(struct lang *l, struct loc at, const struct pigment *
             report_pigment(l, at, p->entry[i].pigment);
 }
 
+static void report_finish(struct lang *l, struct loc at, const struct finish *f)
+{
+    if (f->irid != 0 && f->irid_turbulence != 0)
+        diag_unsupported(l->diag, at, "turbulence of irid");
+    if (f->caustics > 0)
+        diag_unsupported(l->diag, at, "caustics");
+}
+
+static void report_interior(struct lang *l, struct loc at, const struct interior *i)
+{
+    if (i->media)
+        diag_unsupported(l->diag, at, "media");
+    if (i->dispersion != 1)
+        diag_unsupported(l->diag, at, "dispersion");
+}
+
 /* The same texture over and over is looked at once. */
 static void report_object(struct lang *l, const struct object *o)
 {
@@ -177,12 +196,12 @@ static void report_object(struct lang *l, const struct object *o)
         b->reported = o->texture;
     if (o->interior_texture)
         report_texture(l, o->at, o->interior_texture);
-    if (o->interior && o->interior->media)
-        diag_unsupported(l->diag, o->at, "media");
-    if (o->interior && o->interior->dispersion != 1)
-        diag_unsupported(l->diag, o->at, "dispersion");
+    if (o->interior)
+        report_interior(l, o->at, o->interior);
     if (o->kind == OBJECT_LIGHT && o->light->projected_through)
         diag_unsupported(l->diag, o->at, "projected_through");
+    if (o->kind == OBJECT_LIGHT && o->light->looks_like)
+        report_object(l, o->light->looks_like);
     if (o->flags & OBJECT_CUTAWAY_TEXTURES)
         diag_unsupported(l->diag, o->at, "cutaway_textures");
     for (size_t i = 0; i < o->n_child; i++)
