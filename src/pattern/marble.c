@@ -16,7 +16,7 @@ static double wood(const void *self, vec3 p)
 
     if (vec_largest(b->turbulence) == 0)
         return sqrt(p.x * p.x + p.y * p.y);
-    vec3 w = noise_vector_turbulence(p, b->octaves, b->omega, b->lambda);
+    vec3 w = block_vector_turbulence(b, p);
     double x = p.x + cycle((p.x + w.x) * b->turbulence.x);
     double y = p.y + cycle((p.y + w.y) * b->turbulence.y);
     return sqrt(x * x + y * y);

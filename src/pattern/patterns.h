@@ -77,9 +77,17 @@ static inline int generator_of(const struct pattern_block *b)
     return b->noise_generator ? b->noise_generator : NOISE_DEFAULT;
 }
 
+/* POV-Ray keeps omega and lambda in single precision. */
 static inline double block_turbulence(const struct pattern_block *b, vec3 p)
 {
-    return noise_turbulence(generator_of(b), p, b->octaves, b->omega, b->lambda);
+    return noise_turbulence(generator_of(b), p, b->octaves, (double)(float)b->omega,
+                            (double)(float)b->lambda);
+}
+
+static inline vec3 block_vector_turbulence(const struct pattern_block *b, vec3 p)
+{
+    return noise_vector_turbulence(p, b->octaves, (double)(float)b->omega,
+                                   (double)(float)b->lambda);
 }
 
 /* Rows of patterns whose struct is the block alone. */

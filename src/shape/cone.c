@@ -29,10 +29,10 @@ static const char *prepare(void *self, struct arena *mem)
     struct cone *s = self;
 
     (void)mem;
-    if (s->base_radius < 0 || s->cap_radius < 0)    /* POV-Ray: an hourglass, or a tube */
-        return "negative radius";
-    return frustum_prepare(&s->frustum, s->base, s->base_radius, s->cap, s->cap_radius,
-                           s->is_open);
+    if (s->base_radius * s->cap_radius < 0)     /* POV-Ray: an hourglass */
+        return "radii of opposite signs";
+    return frustum_prepare(&s->frustum, s->base, fabs(s->base_radius), s->cap,
+                           fabs(s->cap_radius), s->is_open);
 }
 
 static const struct frustum *of(const void *self) { return &((const struct cone *)self)->frustum; }

@@ -41,6 +41,7 @@ struct shape_ops {
     const struct field *words;          /* words of the body, NULL: none */
     bool is_solid;                      /* has an inside: hits alternate in and out */
     bool is_infinite;                   /* no finite bounds */
+    bool is_ball;                       /* the ball inside its bounds holds it */
     int most_hits;                      /* that hits() ever returns */
 
     /* Checks and completes the struct once, so that the other functions

@@ -11,6 +11,7 @@
     S(cylinder) \
     S(disc) \
     S(plane) \
+    S(quadric) \
     S(smooth_triangle) \
     S(sphere) \
     S(torus) \

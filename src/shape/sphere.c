@@ -125,7 +125,7 @@ static vec2 uv(const void *self, vec3 p, const struct hit *h)
 const struct shape_ops shape_sphere = {
     .name = "sphere", .help = "all points nearer to a centre than a radius",
     .size = sizeof(struct sphere), .defaults = &defaults, .args = args, .n_required = 2,
-    .is_solid = true, .most_hits = 2,
+    .is_solid = true, .is_ball = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
     .inside = inside, .normal = normal, .uv = uv,
 };
