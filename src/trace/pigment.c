@@ -62,6 +62,7 @@ static void pigment_entries(struct paint *q, struct arena *mem, const struct pig
     for (size_t i = 0; i < p->n_entry; i++) {
         paint[i] = paint_new(mem, p->entry[i].pigment, &transform_identity);
         q->can_transmit |= paint[i]->can_transmit;
+        q->wants_uv |= paint[i]->wants_uv;
         total += (float)p->entry[i].value;
     }
     for (size_t i = 0; i < p->n_entry; i++)
@@ -81,6 +82,7 @@ const struct paint *paint_new(struct arena *mem, const struct pigment *p,
 
     q->kind = p->kind;
     q->colour = p->colour;
+    q->wants_uv = p->uv_mapping;
     switch (p->kind) {
     case PIGMENT_COLOUR:
         q->can_transmit = is_clear(p->colour);

@@ -35,7 +35,7 @@ struct gauge {
 
 struct paint {
     enum pigment_kind kind;
-    bool can_transmit;
+    bool can_transmit, wants_uv;
     colour colour;
     const struct gauge *gauge;          /* all but a plain colour have one */
     const colour *entry_colour;

@@ -49,6 +49,7 @@ struct surface {
     const void *solid;                  /* identifies the object whose interior it is */
     bool is_opaque;                     /* no pigment in it can let light through */
     bool double_illuminate, hollow, uv_mapping;
+    bool wants_uv;                      /* some texture looks at u and v */
     const struct program *program, *interior_program;   /* textures as short programs: surface.h */
 };
 

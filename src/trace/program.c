@@ -58,6 +58,7 @@ static void add_layers(struct program *p, struct arena *mem, const struct settin
         l->gloss = gloss_new(mem, settings, t->finish);
         p->can_transmit &= l->paint->can_transmit;
         p->has_mirror |= l->gloss->has_mirror;
+        p->wants_uv |= l->paint->wants_uv;
     }
     p->is_plain = p->n_layer == 1 && layer[0].paint->kind == PIGMENT_COLOUR;
 }
@@ -73,6 +74,7 @@ static void add_entries(struct program *p, struct arena *mem, const struct setti
         entry[i] = program_new(mem, settings, t->entry[i].texture, &transform_identity);
         p->can_transmit |= entry[i]->can_transmit;
         p->has_mirror |= entry[i]->has_mirror;
+        p->wants_uv |= entry[i]->wants_uv;
         total += (float)t->entry[i].value;
     }
     for (size_t i = 0; i < t->n_entry; i++)
@@ -93,6 +95,7 @@ struct program *program_new(struct arena *mem, const struct settings *settings,
         return p;
     }
     p->kind = texture->kind == TEXTURE_MAP ? PROGRAM_MAP : PROGRAM_AVERAGE;
+    p->wants_uv = texture->uv_mapping;
     add_entries(p, mem, settings, texture);
     struct chain chain = chain_of(outer, &texture->place, texture->uv_mapping,
                                   &texture->pattern.turbulence);

@@ -38,7 +38,7 @@ struct program {
      * program, or all those that differ in nothing but a plain colour. */
     uint32_t group;
     bool is_plain;                      /* one layer of one colour */
-    bool can_transmit, has_mirror;
+    bool can_transmit, has_mirror, wants_uv;
     int n_layer;
     const struct layer *layer;          /* the top one, declared last, first */
     const struct gauge *gauge;          /* of a map */

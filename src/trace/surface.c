@@ -126,6 +126,14 @@ static void note_use(struct plan *p, const struct surface *s)
     shader_of(p)->has_interior |= s->interior != NULL;
 }
 
+static bool faces_want_uv(const struct look *look, const struct program *const *face)
+{
+    for (size_t i = 0; face && i < look->mesh->n_texture; i++)
+        if (face[i]->wants_uv)
+            return true;
+    return false;
+}
+
 static bool faces_transmit(const struct look *look, const struct program *const *face)
 {
     for (size_t i = 0; face && i < look->mesh->n_texture; i++)
@@ -162,6 +170,8 @@ static uint32_t add_surface(struct plan *p, const struct look *look,
         .place = *look->place, .interior = interior_of(p, look), .solid = look->solid,
         .double_illuminate = look->double_illuminate, .hollow = look->hollow,
         .uv_mapping = look->uv_mapping,
+        .wants_uv = look->uv_mapping || key->program->wants_uv || faces_want_uv(look, face)
+                    || (key->interior_program && key->interior_program->wants_uv),
         .program = whole ? whole : key->program, .interior_program = key->interior_program,
         .is_opaque = !key->program->can_transmit
                      && !(key->interior_program && key->interior_program->can_transmit)
