@@ -14,6 +14,7 @@
     S(quadric) \
     S(smooth_triangle) \
     S(sphere) \
+    S(superellipsoid) \
     S(torus) \
     S(triangle)
 
