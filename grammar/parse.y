@@ -35,7 +35,8 @@ struct token_text { const char *text; size_t size; };
 %code {
 #include <string.h>
 
-int yylex(YYSTYPE *value, YYLTYPE *at, struct parse *p);
+int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
+#define yylex scanner_next
 static void yyerror(YYLTYPE *at, struct parse *p, const char *message);
 static struct ast *pending(struct parse *p);
 static struct ast *take(struct ast *list, struct parse *p);
@@ -524,7 +525,7 @@ void scanner_dump(struct lang *l, uint32_t source, FILE *out)
     YYSTYPE value;
     struct loc at;
 
-    for (int token; (token = yylex(&value, &at, p)) != YYEOF;) {
+    for (int token; (token = scanner_next(&value, &at, p)) != YYEOF;) {
         struct position from = source_position(l->sources, source, at.begin);
         int length = (int)(at.end - at.begin);
         fprintf(out, "%u:%u %s %.*s\n", from.line, from.column,
