@@ -368,10 +368,10 @@ END_TEST
 
 START_TEST(test_a_sphere_costs_at_most_100_bytes)
 {
-    enum { N = 20000 };
+    enum { N = 100000 };
 
     for (int i = 0; i < N; i++)
-        scene_add(&scene, sphere(in_cube(1), 0.01));
+        scene_add(&scene, sphere(in_cube(1), 0.005));
     struct arena own;
     arena_init(&own, NULL);
     plan_new(&scene, &own, 1);

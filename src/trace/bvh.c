@@ -364,47 +364,98 @@ void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, 
     arena_free(&scrap);
 }
 
+/* Rounding up in the last step pays for the roundings before it. */
+void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, vec3 *centre, double *radius),
+                   const void *of, struct arena *mem)
+{
+    for (int i = 0; i < 4; i++)         /* eight are read at once, also at the end */
+        b->ball[i] = arena_array(mem, b->n_item + LANES, sizeof *b->ball[i]);
+    for (size_t i = 0; i < b->n_item; i++) {
+        vec3 centre = b->middle;
+        double radius = INFINITY;
+        if (!ball(of, b->item[i], &centre, &radius))
+            radius = INFINITY;
+        centre = vec_scale(vec_sub(centre, b->middle), b->scale);
+        b->ball[0][i] = (float)centre.x;
+        b->ball[1][i] = (float)centre.y;
+        b->ball[2][i] = (float)centre.z;
+        b->ball[3][i] = radius < INFINITY ? (float)(radius * b->scale) * (1 + 16 * FLT_EPSILON)
+                                          : INFINITY;
+    }
+}
+
 /* Rays that start far away start anew just before the tree, so that floats
  * are enough: from there on everything is of the tree's size.  What rounding
  * is left, of this step and of the origin, moves the origin apart. */
-enum { TREE_BITS = 45, FLOAT_BITS = 23 };
+static const double step_error = 0x1p-45, float_error = 0x1p-23;
+static const double ball_error = 0x1p-19;       /* of a centre's distance from the line */
 static const double flat = 1e-30;       /* in tree units a ray does not move at all along such an axis */
+
+struct aim { double o, dir, inverse; };
+
+INLINE struct aim aim_axis(double origin, double dir, double middle, double scale, double shorten)
+{
+    double d = dir * shorten;
+
+    return (struct aim) { (origin - middle) * scale, d,
+                          fabs(d) > flat ? 1 / d : copysign(1 / flat, d) };
+}
+
+INLINE void aim_clip(struct aim a, double half, double *begin, double *end)
+{
+    double reach = copysign(half, a.dir);
+    double in = (-reach - a.o) * a.inverse, out = (reach - a.o) * a.inverse;
+
+    in -= fabs(in) * 1e-12;
+    out += fabs(out) * 1e-12;
+    *begin = in > *begin ? in : *begin;
+    *end = out < *end ? out : *end;
+}
+
+INLINE void aim_finish(struct bvh_ray *r, int axis, struct aim a, double begin, double apart)
+{
+    double at = a.o + begin * a.dir, shift = copysign(apart, a.dir);
+
+    r->inverse[axis] = lanes_of((float)a.inverse);
+    r->origin[0][axis] = lanes_of((float)(at + shift));
+    r->origin[1][axis] = lanes_of((float)(at - shift));
+    r->enter[axis] = signbit(a.dir) ? 1 : 0;
+    r->at[axis] = (float)at;
+    r->dir[axis] = (float)a.dir;
+}
+
+INLINE double largest(double a, double b, double c)
+{
+    a = fabs(a);
+    b = fabs(b);
+    c = fabs(c);
+    a = a > b ? a : b;
+    return a > c ? a : c;
+}
 
 bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struct bvh_ray *out)
 {
-    double longest = vec_largest(ray.dir);
-    vec3 o = vec_scale(vec_sub(ray.origin, b->middle), b->scale);
+    double longest = largest(ray.dir.x, ray.dir.y, ray.dir.z), shorten = 1 / longest;
+    struct aim x = aim_axis(ray.origin.x, ray.dir.x, b->middle.x, b->scale, shorten);
+    struct aim y = aim_axis(ray.origin.y, ray.dir.y, b->middle.y, b->scale, shorten);
+    struct aim z = aim_axis(ray.origin.z, ray.dir.z, b->middle.z, b->scale, shorten);
     double unit = longest * b->scale;
-    double error = ldexp(vec_largest(o) + 1, -TREE_BITS);
+    double error = (largest(x.o, y.o, z.o) + 1) * step_error;
     double begin = near * unit, end = far * unit;
-    double dir[3], inverse[3];
 
-    for (int axis = 0; axis < 3; axis++) {
-        double d = vec_get(ray.dir, axis) / longest;
-        dir[axis] = d;
-        inverse[axis] = fabs(d) > flat ? 1 / d : copysign(1 / flat, d);
-        double reach = copysign(vec_get(b->half, axis) + error, d);
-        double in = (-reach - vec_get(o, axis)) * inverse[axis];
-        double leave = (reach - vec_get(o, axis)) * inverse[axis];
-        in -= fabs(in) * 1e-12;
-        leave += fabs(leave) * 1e-12;
-        begin = in > begin ? in : begin;
-        end = leave < end ? leave : end;
-    }
+    aim_clip(x, b->half.x + error, &begin, &end);
+    aim_clip(y, b->half.y + error, &begin, &end);
+    aim_clip(z, b->half.z + error, &begin, &end);
     if (!(begin <= end))
         return false;
     begin -= fabs(begin) * 1e-12;
-    out->start = begin / unit;
+    out->start = begin;
     out->unit = unit;
-    out->slop = ldexp(fabs(begin), -TREE_BITS);
-    double apart = ldexp(1, -FLOAT_BITS) + error + 4 * out->slop;
-    for (int axis = 0; axis < 3; axis++) {
-        double at = vec_get(o, axis) + begin * dir[axis];
-        double shift = copysign(apart, dir[axis]);
-        out->inverse[axis] = lanes_of((float)inverse[axis]);
-        out->origin[0][axis] = lanes_of((float)(at + shift));
-        out->origin[1][axis] = lanes_of((float)(at - shift));
-        out->enter[axis] = signbit(dir[axis]) ? 1 : 0;
-    }
+    out->slop = fabs(begin) * step_error;
+    double apart = float_error + error + 4 * out->slop;
+    aim_finish(out, 0, x, begin, apart);
+    aim_finish(out, 1, y, begin, apart);
+    aim_finish(out, 2, z, begin, apart);
+    out->apart = (float)(apart + ball_error);
     return true;
 }

@@ -29,21 +29,30 @@ struct bvh {
     size_t n_node;
     uint32_t *item;                     /* in the order of the leaves */
     size_t n_item;
+    float *ball[4];                     /* of each item: centre and radius in tree units; NULL: none */
 };
 
 enum { BVH_STACK = 384 };               /* see MOST_DEPTH in bvh.c */
 
 /* The tree over n boxes, none of them empty or infinite.  The same for any
- * number of threads.  leaf_size: the most items in a leaf. */
+ * number of threads.  leaf_size: the most items in a leaf, 8 at most. */
 void bvh_build(struct bvh *b, size_t n, struct bounds (*box)(const void *of, size_t i),
                const void *of, unsigned leaf_size, unsigned threads, struct arena *mem);
+
+/* Gives the items balls that hold them, in their order in the tree; those of
+ * which ball says false have none.  Spheres far from the ray are then passed
+ * over eight at a time, before anything of theirs is read. */
+void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, vec3 *centre, double *radius),
+                   const void *of, struct arena *mem);
 
 /* A ray as the boxes see it. */
 struct bvh_ray {
     lanes inverse[3];
     lanes origin[2][3];                 /* moved back for entering, forth for leaving: all rounding is in it */
     int enter[3];                       /* the side where the ray enters: 0 low, 1 high */
-    double start, unit, slop;           /* tree t = (t - start) * unit, give or take slop */
+    float at[3], dir[3];                /* the same origin in the middle; the largest of dir is 1 */
+    float apart;                        /* how far off all this may be */
+    double start, unit, slop;           /* tree t = t * unit - start, give or take slop */
 };
 
 /* False: the ray misses all of it between near and far. */
@@ -52,9 +61,21 @@ bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struc
 /* A world t as a tree t, not below it. */
 INLINE float bvh_far(const struct bvh_ray *r, double t)
 {
-    double far = (t - r->start) * r->unit + r->slop;
+    double far = t * r->unit - r->start + r->slop;
 
     return far < FLT_MAX / 4 ? (float)far * (1 + 8 * FLT_EPSILON) + FLT_MIN : FLT_MAX;
+}
+
+INLINE void bvh_slab(const struct bvh_node *n, const struct bvh_ray *r, int axis, lanes *begin,
+                     lanes *end)
+{
+    int enter = r->enter[axis];
+    lanes in = lanes_load(n->side[enter][axis]), out = lanes_load(n->side[!enter][axis]);
+
+    in = lanes_mul(lanes_sub(in, r->origin[0][axis]), r->inverse[axis]);
+    out = lanes_mul(lanes_sub(out, r->origin[1][axis]), r->inverse[axis]);
+    *begin = lanes_max(in, *begin);
+    *end = lanes_min(out, *end);
 }
 
 /* Which of a node's boxes lie on the way, and where they begin. */
@@ -62,21 +83,45 @@ INLINE unsigned bvh_test(const struct bvh_node *n, const struct bvh_ray *r, floa
 {
     lanes begin = lanes_of(0), end = lanes_of(FLT_MAX);
 
-    for (int axis = 0; axis < 3; axis++) {
-        int enter = r->enter[axis];
-        lanes in = lanes_load(n->side[enter][axis]), out = lanes_load(n->side[!enter][axis]);
-        in = lanes_mul(lanes_sub(in, r->origin[0][axis]), r->inverse[axis]);
-        out = lanes_mul(lanes_sub(out, r->origin[1][axis]), r->inverse[axis]);
-        begin = lanes_max(in, begin);
-        end = lanes_min(out, end);
-    }
+    bvh_slab(n, r, 0, &begin, &end);
+    bvh_slab(n, r, 1, &begin, &end);
+    bvh_slab(n, r, 2, &begin, &end);
     end = lanes_mul(end, lanes_of(1 + 8 * FLT_EPSILON));
     end = lanes_min(end, lanes_of(far));
     lanes_store(near, begin);
     return lanes_not_above(begin, end);
 }
 
+/* Which balls from first on the line may meet between 0 and far.  The
+ * distance of a centre from the line is compared with the radius; positions
+ * here are of size 1, so rounding is a matter of float's unit. */
+INLINE unsigned bvh_test_balls(const struct bvh *b, const struct bvh_ray *r, uint32_t first,
+                               float far)
+{
+    lanes x = lanes_sub(lanes_load(b->ball[0] + first), lanes_of(r->at[0]));
+    lanes y = lanes_sub(lanes_load(b->ball[1] + first), lanes_of(r->at[1]));
+    lanes z = lanes_sub(lanes_load(b->ball[2] + first), lanes_of(r->at[2]));
+    lanes radius = lanes_add(lanes_load(b->ball[3] + first), lanes_of(r->apart));
+    lanes dx = lanes_of(r->dir[0]), dy = lanes_of(r->dir[1]), dz = lanes_of(r->dir[2]);
+    float inverse = 1 / (r->dir[0] * r->dir[0] + r->dir[1] * r->dir[1] + r->dir[2] * r->dir[2]);
+    lanes t = lanes_add(lanes_add(lanes_mul(x, dx), lanes_mul(y, dy)), lanes_mul(z, dz));
+
+    t = lanes_mul(t, lanes_of(inverse));
+    x = lanes_sub(x, lanes_mul(t, dx));
+    y = lanes_sub(y, lanes_mul(t, dy));
+    z = lanes_sub(z, lanes_mul(t, dz));
+    lanes apart = lanes_add(lanes_add(lanes_mul(x, x), lanes_mul(y, y)), lanes_mul(z, z));
+    return lanes_not_above(apart, lanes_mul(radius, radius))
+           & lanes_not_above(lanes_sub(t, radius), lanes_of(far))
+           & lanes_not_above(lanes_of(0), lanes_add(t, radius));
+}
+
 struct bvh_entry { uint32_t child, count; float near; };
+
+INLINE struct bvh_entry bvh_entry(const struct bvh_node *n, int i, const float near[])
+{
+    return (struct bvh_entry) { n->child[i], n->count[i], near[i] };
+}
 
 /* Pushes the children that bits names, the nearest last. */
 INLINE int bvh_push(struct bvh_entry stack[], int top, const struct bvh_node *n, unsigned bits,
@@ -88,44 +133,75 @@ INLINE int bvh_push(struct bvh_entry stack[], int top, const struct bvh_node *n,
         int i = __builtin_ctz(bits), at = top++;
         for (; at > base && stack[at - 1].near < near[i]; at--)
             stack[at] = stack[at - 1];
-        stack[at] = (struct bvh_entry) { n->child[i], n->count[i], near[i] };
+        stack[at] = bvh_entry(n, i, near);
     }
     return top;
 }
 
-/* Calls visit(arg, item, count, &far) for the leaves on the way, about
- * nearest first; visit may shorten far, and ends the walk by returning true.
- * Leaves wholly beyond far are left out. */
+/* Goes down to the nearest child of n on the way, the others on the stack;
+ * false: there is none. */
+INLINE bool bvh_descend(const struct bvh_node *n, const struct bvh_ray *r, float limit,
+                        struct bvh_entry stack[], int *top, struct bvh_entry *e)
+{
+    float near[LANES];
+    unsigned bits = bvh_test(n, r, limit, near);
+
+    if (bits == 0)
+        return false;
+    int i = __builtin_ctz(bits);
+    bits &= bits - 1;
+    *e = bvh_entry(n, i, near);
+    if (bits == 0)
+        return true;
+    int k = __builtin_ctz(bits);
+    if ((bits & (bits - 1)) == 0) {
+        struct bvh_entry other = bvh_entry(n, k, near);
+        bool swap = other.near < e->near;
+        stack[(*top)++] = swap ? *e : other;
+        if (swap)
+            *e = other;
+        return true;
+    }
+    *top = bvh_push(stack, *top, n, bits | 1u << i, near);
+    *e = stack[--*top];
+    return true;
+}
+
+/* Calls visit(arg, item, bits, &far) for the leaves on the way, about nearest
+ * first: bit i means item[i].  visit may shorten far, and ends the walk by
+ * returning true.  Leaves wholly beyond far are left out. */
 INLINE bool bvh_walk(const struct bvh *b, struct ray ray, double near, double far,
-                     bool (*visit)(void *arg, const uint32_t item[], uint32_t count, double *far),
+                     bool (*visit)(void *arg, const uint32_t item[], uint32_t bits, double *far),
                      void *arg, unsigned long long *box_tests)
 {
     struct bvh_ray r;
-    struct bvh_entry stack[BVH_STACK];
-    float entry[LANES];
+    struct bvh_entry stack[BVH_STACK], e = { 0, 0, 0 };
     int top = 0;
 
     if (!b->n_node || !bvh_aim(b, ray, near, far, &r))
         return false;
     float limit = bvh_far(&r, far);
-    stack[top++] = (struct bvh_entry) { 0, 0, 0 };
-    while (top > 0) {
-        struct bvh_entry e = stack[--top];
-        if (e.near > limit)
-            continue;
+    for (;;) {
         if (e.count == 0) {
-            const struct bvh_node *n = &b->node[e.child];
             *box_tests += LANES;
-            top = bvh_push(stack, top, n, bvh_test(n, &r, limit, entry), entry);
+            if (bvh_descend(&b->node[e.child], &r, limit, stack, &top, &e))
+                continue;
         } else {
             double before = far;
-            if (visit(arg, b->item + e.child, e.count, &far))
+            uint32_t bits = (1u << e.count) - 1;
+            if (b->ball[0])
+                bits &= bvh_test_balls(b, &r, e.child, limit);
+            if (bits && visit(arg, b->item + e.child, bits, &far))
                 return true;
             if (far != before)
                 limit = bvh_far(&r, far);
         }
+        do {
+            if (top == 0)
+                return false;
+            e = stack[--top];
+        } while (e.near > limit);
     }
-    return false;
 }
 
 #endif

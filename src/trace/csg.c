@@ -133,11 +133,11 @@ static void cut(struct sweep *w, uint32_t number)
     }
 }
 
-INLINE bool visit_part(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_part(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     (void)far;
-    for (uint32_t i = 0; i < count; i++)
-        cut(arg, item[i]);
+    for (; bits; bits &= bits - 1)
+        cut(arg, item[__builtin_ctz(bits)]);
     return false;
 }
 

@@ -562,9 +562,54 @@ static struct bounds bounded_bounds(const void *of, size_t i)
     return item_bounds(l->b, l->item[i]);
 }
 
+/* A transform that is not a similarity gives a ball that is larger than need
+ * be; mat_norm is sqrt 3 times the scale of one that is. */
+static double ball_stretch(const struct placement *p)
+{
+    const mat34 *m = &p->place.to;
+    double column[3], most = 0, least = INFINITY;
+
+    for (int i = 0; i < 3; i++) {
+        column[i] = vec_length(vec(m->m[0][i], m->m[1][i], m->m[2][i]));
+        most = fmax(most, column[i]);
+        least = fmin(least, column[i]);
+    }
+    bool is_similarity = p->stretch * p->stretch <= 3 * least * least * (1 + 1e-9)
+                         && p->fuzz <= 3 * 0x1p-52 * (1 + 1e-9);
+    return is_similarity ? most * (1 + 1e-8) : p->stretch;
+}
+
+static bool item_ball(const void *of, uint32_t item, vec3 *centre, double *radius)
+{
+    const struct builder *b = of;
+    const struct leaf *l = &b->plan->leaf[item_number(item)];
+
+    if (item_kind(item) != ITEM_LEAF || !l->ops || !l->ops->is_ball)
+        return false;
+    struct bounds box = l->ops->bounds(l->shape);
+    *centre = vec_add(vec_scale(box.low, 0.5), vec_scale(box.high, 0.5));
+    *radius = fmax(box.high.x - centre->x, fmax(box.high.y - centre->y, box.high.z - centre->z));
+    if (l->placement) {
+        *centre = mat_point(&l->placement->place.to, *centre);
+        *radius *= ball_stretch(l->placement);
+    }
+    return true;
+}
+
+static bool mostly_balls(const struct builder *b, const struct list *items)
+{
+    vec3 centre;
+    double radius;
+    size_t n = 0;
+
+    for (size_t i = 0; i < items->n; i++)
+        n += item_ball(b, items->item[i], &centre, &radius);
+    return 2 * n > items->n;
+}
+
 static void finish_space(struct builder *b, uint32_t number, const struct list *items)
 {
-    enum { ITEMS_A_LEAF = 4 };
+    enum { ITEMS_A_LEAF = 4, BALLS_A_LEAF = 8 };
     struct list bounded = { 0 }, unbounded = { 0 };
     struct space s = { .n_unbounded = 0 };
 
@@ -573,10 +618,13 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
         if (!bounds_are_empty(one))
             list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
     }
+    bool balls = mostly_balls(b, &bounded);
     bvh_build(&s.tree, bounded.n, bounded_bounds, &(struct bounded) { b, bounded.item },
-              ITEMS_A_LEAF, b->threads, b->plan->mem);
+              balls ? BALLS_A_LEAF : ITEMS_A_LEAF, b->threads, b->plan->mem);
     for (size_t i = 0; i < bounded.n; i++)
         s.tree.item[i] = bounded.item[s.tree.item[i]];
+    if (balls)
+        bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
     s.n_unbounded = unbounded.n;
     s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
     b->geometry->space[number] = s;

@@ -131,15 +131,15 @@ static uint64_t rank(uint32_t instance, uint32_t leaf)
 }
 
 /* The items of a space: those of the tree on the way, and the unbounded. */
-typedef bool visit_items(void *arg, const uint32_t item[], uint32_t count, double *far);
+typedef bool visit_items(void *arg, const uint32_t item[], uint32_t bits, double *far);
 
 INLINE bool search_space(struct search *s, const struct space *space, visit_items *visit)
 {
     double far = s->far;
 
-    if (space->n_unbounded
-        && visit(s, space->unbounded, (uint32_t)space->n_unbounded, &far))
-        return true;
+    for (size_t i = 0; i < space->n_unbounded; i++)
+        if (visit(s, space->unbounded + i, 1, &far))
+            return true;
     return bvh_walk(&space->tree, s->ray, 0, far, visit, s, &s->s->counts.box_tests);
 }
 
@@ -161,7 +161,7 @@ static const struct space *instance_space(const struct search *s, uint32_t numbe
 /* --- nearest --------------------------------------------------------------- */
 
 /* Of equal t the first listed wins, whatever the order of the visits; so a
- * search goes up to the next number after the best t. */
+ * search goes just beyond the best t. */
 static bool is_better(const struct search *s, double t, uint32_t leaf)
 {
     const struct meeting *b = s->best;
@@ -174,7 +174,7 @@ static bool is_better(const struct search *s, double t, uint32_t leaf)
 static void take(struct search *s, const struct hit *h, uint32_t leaf, bool flipped)
 {
     *s->best = (struct meeting) { h->t, *h, leaf, s->instance, flipped };
-    s->far = nextafter(h->t, INFINITY);
+    s->far = h->t * (1 + 0x1p-52);
 }
 
 INLINE void meet_leaf(struct search *s, uint32_t number)
@@ -210,13 +210,13 @@ static void meet_csg(struct search *s, uint32_t number)
 
 static void meet_instance(struct search *s, uint32_t number);
 
-INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
 
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t number = item_number(item[i]);
-        switch (item_kind(item[i])) {
+    for (; bits; bits &= bits - 1) {
+        uint32_t one = item[__builtin_ctz(bits)], number = item_number(one);
+        switch (item_kind(one)) {
         case ITEM_LEAF:     meet_leaf(s, number); break;
         case ITEM_CSG:      meet_csg(s, number); break;
         case ITEM_INSTANCE: meet_instance(s, number); break;
@@ -286,19 +286,20 @@ INLINE bool blocks(struct search *s, uint32_t item)
 }
 
 /* best->leaf takes the item, for the cache. */
-INLINE bool visit_blocked(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_blocked(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
 
     (void)far;
-    for (uint32_t i = 0; i < count; i++)
-        if (blocks(s, item[i])) {
-            if (item_kind(item[i]) != ITEM_INSTANCE) {
-                s->best->leaf = item[i];
-                s->best->instance = s->instance;
-            }
-            return true;
-        }
+    for (; bits; bits &= bits - 1) {
+        uint32_t one = item[__builtin_ctz(bits)];
+        if (!blocks(s, one))
+            continue;
+        s->best->leaf = one;
+        if (item_kind(one) != ITEM_INSTANCE)
+            s->best->instance = s->instance;
+        return true;
+    }
     return false;
 }
 
@@ -405,14 +406,14 @@ static void keep_csg(struct search *s, uint32_t number)
 
 static void keep_instance(struct search *s, uint32_t number);
 
-INLINE bool visit_crossings(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_crossings(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
 
     (void)far;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t number = item_number(item[i]);
-        switch (item_kind(item[i])) {
+    for (; bits; bits &= bits - 1) {
+        uint32_t one = item[__builtin_ctz(bits)], number = item_number(one);
+        switch (item_kind(one)) {
         case ITEM_LEAF:     keep_leaf(s, number); break;
         case ITEM_CSG:      keep_csg(s, number); break;
         case ITEM_INSTANCE: keep_instance(s, number); break;
@@ -531,7 +532,8 @@ void geometry_point(const struct plan *p, struct ray ray, const struct meeting *
     }
     out->normal = vec_unit(normal);
     out->slack = 2 * slack + point_rounding * vec_largest(out->point);
-    out->uv = uv_at(l, inner, &m->hit, out->point);
+    out->uv = p->surface[out->surface].wants_uv ? uv_at(l, inner, &m->hit, out->point)
+                                                : (vec2) { 0, 0 };
     if (l->ops)
         memset(out->texture, 0xff, sizeof out->texture);
     else

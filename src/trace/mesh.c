@@ -137,16 +137,17 @@ static bool crosses(const struct search *s, uint32_t face, struct triangle_hit *
                           *corner(s->mesh, face, 2), h);
 }
 
-INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
     struct triangle_hit h;
 
-    for (uint32_t i = 0; i < count; i++) {
-        if (!crosses(s, item[i], &h) || !(h.t > s->near) || !(h.t <= s->far))
+    for (; bits; bits &= bits - 1) {
+        uint32_t face = item[__builtin_ctz(bits)];
+        if (!crosses(s, face, &h) || !(h.t > s->near) || !(h.t <= s->far))
             continue;
-        if (h.t < s->far || (s->n && item[i] < s->out->part)) {
-            *s->out = hit_of(s, &h, item[i]);
+        if (h.t < s->far || (s->n && face < s->out->part)) {
+            *s->out = hit_of(s, &h, face);
             *far = s->far = h.t;
             s->n = 1;
         }
@@ -179,15 +180,17 @@ static void keep(struct search *s, struct hit h)
     s->out[at] = h;
 }
 
-INLINE bool visit_all(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_all(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
     struct triangle_hit h;
 
     (void)far;
-    for (uint32_t i = 0; i < count; i++)
-        if (crosses(s, item[i], &h) && h.t > s->near && h.t < s->far)
-            keep(s, hit_of(s, &h, item[i]));
+    for (; bits; bits &= bits - 1) {
+        uint32_t face = item[__builtin_ctz(bits)];
+        if (crosses(s, face, &h) && h.t > s->near && h.t < s->far)
+            keep(s, hit_of(s, &h, face));
+    }
     return false;
 }
 
@@ -200,14 +203,14 @@ int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far
     return s.n;
 }
 
-INLINE bool visit_count(void *arg, const uint32_t item[], uint32_t count, double *far)
+INLINE bool visit_count(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
     struct search *s = arg;
     struct triangle_hit h;
 
     (void)far;
-    for (uint32_t i = 0; i < count; i++)
-        s->n += crosses(s, item[i], &h) && h.t > 0;
+    for (; bits; bits &= bits - 1)
+        s->n += crosses(s, item[__builtin_ctz(bits)], &h) && h.t > 0;
     return false;
 }
 
