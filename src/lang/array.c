@@ -1,6 +1,7 @@
 /* array.c: arrays and their elements. */
 #include "lang/array.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "lang/eval.h"
@@ -62,8 +63,7 @@ static bool offset(struct lang *l, const struct array *a, const struct ast *node
         }
         if (!evaluate_number(l, *subscript, "a number as subscript", &x))
             return false;
-        if (!(x > -1e18 && x < 1e18) || (long long)(x + slack) < 0
-            || (unsigned long long)(x + slack) >= a->size[d]) {
+        if (!(floor(x + slack) >= 0) || !(floor(x + slack) < (double)a->size[d])) {
             diag_error(l->diag, (*subscript)->at, "subscript %g is outside of 0 to %zu", x,
                        a->size[d] - 1);
             return false;

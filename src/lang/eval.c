@@ -77,9 +77,12 @@ static double operate(struct lang *l, struct loc at, int op, double a, double b)
 /* The smaller operand grows: a number into all components, a vector by zeros. */
 static void extend(struct value *v, int n)
 {
+    if (n <= v->n)
+        return;
     for (int i = v->n; i < n; i++)
         v->v[i] = v->n == 1 ? v->v[0] : 0;
-    v->n = n;
+    if (n > v->n)
+        v->n = n;
 }
 
 static void compare_texts(struct lang *l, struct loc at, int op, struct value *a,

@@ -149,6 +149,8 @@ static bool may_go_on(const struct reader *r)
     const struct lang *l = r->lang;
     const struct frame *f = &l->frame[l->n_frame - 1];
 
+    if (!r->outer)              /* the top level has no expressions */
+        return false;
     if (!f->next)
         return l->n_frame - 1 > r->base;
     return f->next->kind >= AST_DECLARE || f->next->kind == AST_TAIL

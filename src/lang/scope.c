@@ -8,6 +8,8 @@
 
 unsigned scope_open(struct lang *l)
 {
+    if (!l->scope)              /* scope[0] stands for the global one */
+        l->scope = arena_grow(l->mem, NULL, 0, &l->room_scope, sizeof *l->scope);
     l->scope = arena_grow(l->mem, l->scope, l->n_scope + 1, &l->room_scope, sizeof *l->scope);
     l->scope[++l->n_scope] = NULL;
     return l->n_scope;
