@@ -2,6 +2,7 @@
 #include "cli/picture.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,6 +66,14 @@ static bool narrow_rows(struct picture *p, unsigned count, const float *pixels)
     return true;
 }
 
+/* The writer's text is the thread's own, and this thread ends before the
+ * message is printed. */
+static void keep_error(struct picture *p)
+{
+    snprintf(p->message, sizeof p->message, "%s", p->error);
+    p->error = p->message;
+}
+
 static bool on_rows(void *arg, unsigned first, unsigned count, const float *pixels)
 {
     struct picture *p = arg;
@@ -76,6 +85,8 @@ static bool on_rows(void *arg, unsigned first, unsigned count, const float *pixe
         done = narrow_rows(p, count, pixels);
     else if (p->png)
         done = png_rows(p->png, count, pixels, &p->error);
+    if (!done)
+        keep_error(p);
     p->write_seconds += progress_now() - start;
     return done;
 }

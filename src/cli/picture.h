@@ -11,6 +11,7 @@
 struct picture {
     struct png_writer *png;             /* NULL: -F, nothing is written */
     const char *path, *error;           /* error: why a write failed */
+    char message[256];
     unsigned width, height;             /* of the file */
     unsigned x, y;                      /* where the rendered part begins in it */
     unsigned part_width;
