@@ -118,7 +118,7 @@ static bool make_map(struct lang *l, const struct item *block, enum value_type t
 
     build_of(l);
     reader_open(&r, l, block->body);
-    const struct map *whole = build_start(&r, type);
+    const struct map *whole = type == VALUE_DENSITY_MAP ? NULL : build_start(&r, type);
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
         if (i.kind == ITEM_ENTRY && !whole)
             read_entry(l, &i, type, &e);

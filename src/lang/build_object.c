@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/frame.h"
 
 struct object *object_start(struct lang *l, enum object_kind kind, struct loc at)
 {
@@ -406,11 +407,20 @@ static struct object *wrapped(struct lang *l, struct reader *r, const struct ite
     return o;
 }
 
+/* cubic, quartic: < > with more numbers than a vector has must not be evaluated
+ * as one, so the node is asked before the item. */
+static bool starts_with_object(struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    return !(a && a->kind == AST_VECTOR) && item_is_thing(reader_peek(r), VALUE_OBJECT);
+}
+
 static struct object *any(struct lang *l, struct reader *r, const struct item *block)
 {
     const struct special_shape *special = find_special(block->word->text);
 
-    if (strcmp(block->word->text, "object") == 0 || item_is_thing(reader_peek(r), VALUE_OBJECT))
+    if (strcmp(block->word->text, "object") == 0 || starts_with_object(r))
         return wrapped(l, r, block);
     if (special && !(special->until_row && block->word->shape))
         return special->make(l, r, block);
