@@ -79,8 +79,13 @@ INLINE bool cut(const void *self, struct ray ray, struct span *out)
     double left = fma(s->r, s->r, -vec_dot(c, c));
     double error = 4 * ROUNDING * (vec_sum_abs(from) + s->r);   /* of c */
 
-    if (UNLIKELY(fabs(left) <= error * (4 * s->r + error)))
-        return cut_closely(s, ray, mid, out);
+    if (UNLIKELY(fabs(left) <= error * (4 * s->r + error))) {
+        struct span close;              /* so that out need not live in memory */
+        bool meets = cut_closely(s, ray, mid, &close);
+        if (meets)
+            *out = close;
+        return meets;
+    }
     if (!(left > 0))
         return false;
     double half = sqrt(left * inverse);

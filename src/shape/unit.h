@@ -88,17 +88,28 @@ struct span {
 
 typedef bool span_cut(const void *self, struct ray ray, struct span *out);
 
-INLINE bool span_of(span_cut *cut, const void *self, struct ray ray, struct span *out)
+static __attribute__((noinline, unused)) bool span_of_wild(span_cut *cut, const void *self,
+                                                           struct ray ray, struct span *out)
 {
-    if (LIKELY(ray_is_tame(ray)))
-        return cut(self, ray, out);
-
     double stretch = ray_tame(&ray);
+
     if (!cut(self, ray, out))
         return false;
     out->near *= stretch;
     out->far *= stretch;
     return true;
+}
+
+INLINE bool span_of(span_cut *cut, const void *self, struct ray ray, struct span *out)
+{
+    if (LIKELY(ray_is_tame(ray)))
+        return cut(self, ray, out);
+
+    struct span wild;                   /* so that out need not live in memory */
+    bool meets = span_of_wild(cut, self, ray, &wild);
+    if (meets)
+        *out = wild;
+    return meets;
 }
 
 /* hits() of a convex solid.  A span without ends (a tube looked along) has
