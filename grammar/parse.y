@@ -54,6 +54,7 @@ static struct ast *branch(struct parse *p, struct loc at, int op, struct ast *co
                           struct ast *body);
 static struct ast *of_one(struct parse *p, struct ast *item);
 static int message_op(const struct word *word);
+static struct ast *splice_node(struct parse *p, struct loc at, struct ast *directive);
 static struct ast *text_node(struct parse *p, struct loc at, struct token_text text);
 }
 
@@ -143,7 +144,7 @@ close_paren: ')'                    { $$ = @1; }
 close_angle: '>'                    { $$ = @1; }
     | MISSING_ANGLE                 { $$ = @1; p->pending = $1; };
 close_end: END                      { $$ = @1; }
-    | MISSING_END                   { $$ = @1; p->pending = $1; };
+    | MISSING_END                   { $$ = @1; p->unclosed = ast_add(p->unclosed, $1); };
 
 /* --- expressions ----------------------------------------------------------- */
 
@@ -180,9 +181,8 @@ rprod: runary                       { $$ = $1; }
     | rprod '/' runary              { $$ = ast_binary(p, @$, '/', $1, $3); };
 
 runary: unary                       { $$ = $1; }
-    | splice                        { $$ = ast_new(p, AST_SPLICE, @1); $$->first = of_one(p, $1); }
-    | quiet runary                  { $$ = ast_new(p, AST_SPLICE, @$);
-                                      $$->first = ast_add(of_one(p, $1), $2); };
+    | splice                        { $$ = splice_node(p, @1, $1); }
+    | quiet runary                  { $$ = splice_node(p, @$, $1); ast_add($$->first, $2); };
 
 /* Its left side comes from before a directive: (1 #if (A) * 2 #end). */
 tail: '*' runary %prec LOW          { $$ = ast_tail(p, @$, '*', $2); }
@@ -232,6 +232,9 @@ quiet: declare
     | VERSION sum semicolon         { $$ = with_right(ast_new(p, AST_VERSION, @1), $2);
                                       $$->flags |= $3 ? AST_SEMI : 0; }
     | DEFAULT braces                { $$ = with_body(ast_new(p, AST_DEFAULT, @1), $2); }
+    | MESSAGE splice                { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
+                                                              message_op($1.word)),
+                                                      splice_node(p, @2, $2)); }
     | MESSAGE postfix %prec LOW     { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
                                                               message_op($1.word)), $2); }
     | FOPEN NAME postfix word       { $$ = with_name(ast_new(p, AST_FOPEN, @1), $2);
@@ -425,6 +428,15 @@ static struct ast *text_node(struct parse *p, struct loc at, struct token_text t
     return node;
 }
 
+static struct ast *splice_node(struct parse *p, struct loc at, struct ast *directive)
+{
+    struct ast *node = ast_new(p, AST_SPLICE, at);
+
+    node->first = of_one(p, directive);
+    node->flags |= AST_HAS_CALL;
+    return node;
+}
+
 static int message_op(const struct word *word)
 {
     return word->text[0];
@@ -509,6 +521,7 @@ struct ast *parse_source(struct lang *l, uint32_t source)
     struct parse *p = parse_start(l, source);
     struct loc all = { source, 0, (uint32_t)source_at(l->sources, source)->size };
 
+    p->unclosed = ast_list(p, all);
     yyparse(p);
     scanner_end(p);
     if (!p->root)
@@ -516,6 +529,7 @@ struct ast *parse_source(struct lang *l, uint32_t source)
     p->root->at = (struct loc) { 0 };
     p->root->close = (struct loc) { source, all.end, all.end };
     ast_add(p->root, pending(p));
+    ast_add(p->root, p->unclosed->first);       /* #ends that are missing are missed at the end */
     return p->root;
 }
 

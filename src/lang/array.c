@@ -278,12 +278,27 @@ static size_t fill_fast(struct filling *f, struct reader *r, size_t most)
     return n;
 }
 
+/* POV-Ray reads no directives between the elements, so neither do we. */
+static bool is_simple(struct lang *l, const struct ast *list)
+{
+    for (const struct ast *a = list->first; a; a = a->next)
+        if (a->kind >= AST_DECLARE || (a->kind == AST_CALL && is_macro(a->name))) {
+            diag_error(l->diag, a->at, "%s cannot stand between an array's elements%s",
+                       a->kind == AST_CALL ? "a macro call" : "a directive",
+                       a->kind == AST_CALL ? "; parentheses around it would do" : "");
+            return false;
+        }
+    return true;
+}
+
 static bool fill(struct filling *f, const struct ast *list, int dimension)
 {
     struct reader r;
     size_t n = 0, wanted = f->array->size[dimension];
     bool fine = true;
 
+    if (!is_simple(f->l, list))
+        return false;
     reader_open(&r, f->l, list);
     while (fine && n < wanted) {
         size_t many = dimension + 1 == f->array->n_dimension ? fill_fast(f, &r, wanted - n) : 0;

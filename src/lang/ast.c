@@ -122,19 +122,13 @@ static uint8_t calls(const struct ast *a, const struct ast *b)
     return (uint8_t)(((a ? a->flags : 0) | (b ? b->flags : 0)) & AST_HAS_CALL);
 }
 
-/* A directive in an operand's place is handled like a macro's call. */
-static uint8_t splices(const struct ast *a)
-{
-    return a && a->kind == AST_SPLICE ? AST_HAS_CALL : 0;
-}
-
 struct ast *ast_unary(struct parse *p, struct loc at, int op, struct ast *right)
 {
     struct ast *node = ast_new(p, AST_UNARY, at);
 
     node->op = (uint8_t)op;
     node->right = right;
-    node->flags = calls(right, NULL) | splices(right);
+    node->flags = calls(right, NULL);
     return measured(p, node);
 }
 
@@ -145,7 +139,7 @@ struct ast *ast_binary(struct parse *p, struct loc at, int op, struct ast *left,
     node->op = (uint8_t)op;
     node->left = left;
     node->right = right;
-    node->flags = calls(left, right) | splices(right);
+    node->flags = calls(left, right);
     return measured(p, node);
 }
 

@@ -253,7 +253,7 @@ static void call_trace(struct arguments *a, struct value *out)
 
 static double limited(double x)
 {
-    return (double)(float)fmax(-1e10, fmin(1e10, x));
+    return (double)(float)fmax(-1e10, fmin(1e10, x)) + 0.0;    /* no -0 */
 }
 
 static void call_extent(struct arguments *a, struct value *out)

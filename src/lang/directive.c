@@ -4,6 +4,7 @@
 
 #include "lang/array.h"
 #include "lang/build.h"
+#include "lang/code.h"
 #include "lang/colour.h"
 #include "lang/eval.h"
 #include "lang/file.h"
@@ -89,9 +90,38 @@ static bool take_semicolon(struct reader *r)
     return true;
 }
 
+static bool has_splice(const struct ast *a)
+{
+    switch (a->kind) {
+    case AST_SPLICE: return true;
+    case AST_UNARY: return has_splice(a->right);
+    case AST_BINARY: return has_splice(a->left) || has_splice(a->right);
+    default: return false;
+    }
+}
+
+/* POV-Ray expands nothing behind an operator or `color` of a declaration. */
+static bool may_declare(struct lang *l, const struct ast *list)
+{
+    const struct ast *a = list->first;
+
+    if (ast_is_value(a) && a->flags & AST_HAS_CALL && has_splice(a))
+        diag_error(l->diag, a->at, "a directive in this expression needs parentheses around both");
+    else if (a->kind == AST_WORD && a->word->class == WORD_COLOUR && a->next
+             && a->next->kind == AST_CALL && is_macro(a->next->name))
+        diag_error(l->diag, a->next->at, "a macro call cannot follow '%s' in a declaration",
+                   a->word->text);
+    else
+        return true;
+    return false;
+}
+
 bool declared_value(struct lang *l, const struct ast *list, struct value *out, bool *semicolon)
 {
     struct reader r;
+
+    if (list->first && !may_declare(l, list))
+        return false;
 
     if (list->flags & AST_PLAIN && list->n == 1) {
         evaluate(l, list->first, out);
@@ -105,6 +135,10 @@ bool declared_value(struct lang *l, const struct ast *list, struct value *out, b
     while (fine && out->type == VALUE_TEXTURE && item_is_block(reader_peek(&r), "texture")) {
         struct item layer = reader_next(&r);
         fine = build_value(l, layer.word, &layer, out);
+    }
+    if (fine && value_is_number(out) && list->first->kind >= AST_DECLARE) {
+        diag_error(l->diag, list->first->at, "a directive cannot bring the number that is declared");
+        fine = false;
     }
     if (fine && !r.failed && reader_peek(&r)->kind != ITEM_END) {
         diag_error(l->diag, reader_at(&r), "expected ';' at the end of the declaration, found %s",
@@ -238,15 +272,12 @@ static bool holds(struct lang *l, const struct ast *branch)
     return a && array_is_defined(l, a) == (branch->op == 'd');
 }
 
-/* Where #end is missing, that is said behind the branch. */
 static void choose(struct lang *l, const struct ast *node)
 {
-    const struct ast *b = node->first, *after = node->last;
+    const struct ast *b = node->first;
 
     while (b && !(b->kind == AST_BRANCH && holds(l, b)))
         b = b->next;
-    if (after->kind == AST_ERROR)
-        frame_push(l, FRAME_BRANCH, NULL, node)->next = after;
     if (b && b->body->first)
         frame_push(l, FRAME_BRANCH, b->body, node);
 }
@@ -446,7 +477,10 @@ static bool check_parameters(struct lang *l, const struct ast *node, int *n)
             return false;
         }
         comma = false;
-        ++*n;
+        if (++*n > MOST_PARAMETERS) {
+            diag_error(l->diag, a->at, "a macro has at most %d parameters", MOST_PARAMETERS);
+            return false;
+        }
     }
     return true;
 }
@@ -524,6 +558,20 @@ static bool take_argument(struct lang *l, struct reader *r, struct argument *out
     return true;
 }
 
+/* Without looking at items: a name must be seen before it is evaluated. */
+static bool more_arguments(struct reader *r)
+{
+    return r->has_item ? r->item.kind != ITEM_END : reader_look(r) != NULL;
+}
+
+static void skip_raw_comma(struct reader *r)
+{
+    if (r->has_item)
+        reader_skip_comma(r);
+    else if (reader_look(r) && r->node->kind == AST_COMMA)
+        r->has_node = false;
+}
+
 static void say_count(struct lang *l, const struct ast *call, const struct macro *m, int n)
 {
     diag_error(l->diag, call->at, "macro '%s' takes %d argument%s, not %s%d", m->name->text, m->n,
@@ -539,9 +587,9 @@ static bool spliced_arguments(struct lang *l, const struct ast *call, const stru
     bool fine = true;
 
     reader_open(&r, l, call->args);
-    while (fine && reader_peek(&r)->kind != ITEM_END && n < m->n) {
+    while (fine && n < m->n && more_arguments(&r)) {
         fine = take_argument(l, &r, &argument[n++]);
-        reader_skip_comma(&r);
+        skip_raw_comma(&r);
     }
     fine = fine && !r.failed;
     if (fine && (n < m->n || reader_peek(&r)->kind != ITEM_END)) {

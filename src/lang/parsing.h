@@ -42,6 +42,9 @@ struct parse {
     int owed;                   /* a token to give again after those that close brackets */
     bool ended;
     struct ast *pending;        /* a message that no list has taken yet */
+    struct ast *unclosed;       /* messages about directives without #end */
+    struct loc declaring;       /* behind #declare, up to its '=' */
+    unsigned declaring_at;      /* n_open there */
     struct ast *root;
 };
 
