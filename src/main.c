@@ -109,7 +109,8 @@ static struct lang_setup setup_of(struct run *r)
         s.clock_delta = frames_clock_delta(a);
         s.initial_clock = a->initial_clock, s.final_clock = a->final_clock;
         s.frame_number = r->frame;
-        s.initial_frame = a->initial_frame, s.final_frame = a->final_frame;
+        s.initial_frame = a->initial_frame;
+        s.final_frame = a->final_frame + a->cyclic;     /* what POV-Ray's scenes see */
     }
     return s;
 }
