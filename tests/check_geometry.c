@@ -712,6 +712,18 @@ static int crossings_of(struct object *o, struct ray ray)
     return n;
 }
 
+struct seen { int n; double last; };
+
+static bool count_in_order(void *arg, const struct meeting *m)
+{
+    struct seen *s = arg;
+
+    ck_assert(m->t >= s->last);
+    s->last = m->t;
+    s->n++;
+    return true;
+}
+
 START_TEST(test_unions_show_inner_surfaces_and_merges_do_not)
 {
     struct object *a = sphere(vec(-.5, 0, 0), 1), *b = sphere(vec(.5, 0, 0), 1);
@@ -722,6 +734,60 @@ START_TEST(test_unions_show_inner_surfaces_and_merges_do_not)
     ck_assert_int_eq(crossings_of(GROUP(OBJECT_MERGE, a, b), ray), 2);
     ck_assert_int_eq(crossings_of(GROUP(OBJECT_INTERSECTION, GROUP(OBJECT_UNION, a, b), all), ray), 4);
     ck_assert_int_eq(crossings_of(GROUP(OBJECT_INTERSECTION, GROUP(OBJECT_MERGE, a, b), all), ray), 2);
+}
+END_TEST
+
+START_TEST(test_merged_solids_that_touch_are_one)
+{
+    struct transform t = turned(vec(31, 47, 11), vec(3, 5, 7));
+    struct object *a = moved(box(vec(-1, -1, -1), vec(1, 1, 0)), t);
+    struct object *b = moved(box(vec(-1, -1, 0), vec(1, 1, 1)), t);
+    struct object *both = GROUP(OBJECT_MERGE, a, b);
+
+    for (int i = 0; i < 200; i++) {
+        struct ray ray = random_ray(6, 0.5);
+        ray.origin = mat_point(&t.to, ray.origin);
+        ray.dir = mat_direction(&t.to, ray.dir);
+        ck_assert_int_eq(crossings_of(both, ray), 2);
+    }
+}
+END_TEST
+
+static uint8_t mask_of_first(const struct plan *p) { return p->leaf[0].mask; }
+
+START_TEST(test_members_of_a_union_may_hide_unless_it_is_whole)
+{
+    struct object *o = sphere(vec(0, 0, 0), 1), *u = GROUP(OBJECT_UNION, o);
+
+    o->flags = o->flags_given = OBJECT_NO_SHADOW;
+    scene_add(&scene, u);
+    ck_assert_uint_eq(mask_of_first(plan()), RAY_PRIMARY | RAY_REFLECTED);
+    u->keep_whole = true;
+    ck_assert_uint_eq(mask_of_first(plan()), RAY_PRIMARY | RAY_REFLECTED | RAY_SHADOW);
+    u->flags = u->flags_given = OBJECT_NO_IMAGE;
+    ck_assert_uint_eq(mask_of_first(plan()), RAY_REFLECTED | RAY_SHADOW);
+}
+END_TEST
+
+START_TEST(test_crossings_come_in_order_however_many)
+{
+    struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
+    struct pigment *g = arena_copy(&mem, t->pigment, sizeof *g);
+
+    g->colour.t = 0.5f;
+    t->pigment = g;
+    for (int i = 0; i < 500; i++) {
+        struct object *o = sphere(vec(0, 0, uniform(0, 10)), 0.3);
+        o->texture = t;
+        scene_add(&scene, o);
+    }
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    struct seen seen = { 0, 0 };
+    geometry_crossings(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, count_in_order,
+                       &seen);
+    ck_assert_int_eq(seen.n, 1000);
+    ck_assert(!geometry_blocked(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, 0));
 }
 END_TEST
 
@@ -824,6 +890,9 @@ int main(void)
     tcase_add_test(tc, test_coincident_faces_of_differing_transforms_leave_no_film);
     tcase_add_test(tc, test_a_solid_less_itself_is_nothing_and_with_itself_is_itself);
     tcase_add_test(tc, test_unions_show_inner_surfaces_and_merges_do_not);
+    tcase_add_test(tc, test_merged_solids_that_touch_are_one);
+    tcase_add_test(tc, test_members_of_a_union_may_hide_unless_it_is_whole);
+    tcase_add_test(tc, test_crossings_come_in_order_however_many);
     tcase_add_test(tc, test_a_ray_leaves_and_enters_glass_walls_of_any_thickness);
     tcase_add_test(tc, test_clipping_leaves_a_shell_without_a_cap);
     tcase_add_test(tc, test_patches_in_an_intersection_count_where_the_others_are);

@@ -16,6 +16,7 @@ struct context {
     unsigned flags;
     bool inverse;
     bool is_inherited;                  /* in an instance: leaves take the look of the instance */
+    bool is_whole;                      /* within split_union off: who sees it is decided above */
 };
 
 struct list { uint32_t *item; size_t n, room; };
@@ -116,9 +117,14 @@ static uint8_t mask_of(unsigned flags)
 
 /* --- looks ----------------------------------------------------------------- */
 
+/* Facts shading.md 3.5: of a union that is not split, what a member says of
+ * the rays that see it does not count. */
 static unsigned flags_within(const struct context *outer, const struct object *o)
 {
-    return ((outer->flags & ~o->flags_given) | o->flags) & ~(unsigned)OBJECT_INVERSE;
+    const unsigned seen_by = OBJECT_NO_IMAGE | OBJECT_NO_REFLECTION | OBJECT_NO_SHADOW;
+    unsigned unheard = OBJECT_INVERSE | (outer->is_whole ? seen_by : 0);
+
+    return (outer->flags & ~(o->flags_given & ~unheard)) | (o->flags & ~unheard);
 }
 
 /* What o itself says takes the place of what its parent said.  The texture's
@@ -130,6 +136,7 @@ static struct context within(struct builder *b, const struct context *outer, con
     c.placement = placed(b, outer->placement, &o->place);
     c.flags = flags_within(outer, o);
     c.inverse ^= (o->flags & OBJECT_INVERSE) != 0;
+    c.is_whole |= o->keep_whole;
     if (o->texture) {
         c.look.texture = o->texture;
         c.look.place = transform_of(outer->placement);
