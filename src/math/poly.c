@@ -36,11 +36,13 @@ static double root_between(int degree, const double c[], double a, double b, boo
         else
             a = x;
         double next = x - y / slope_at(degree, c, x);
-        if (!(next > a && next < b))
+        bool is_newton = next > a && next < b;
+        if (!is_newton)
             next = a + (b - a) / 2;
-        if (next == x || next <= a || next >= b)
+        if (next <= a || next >= b)
             return next;
-        if (fabs(next - x) <= 0x1p-52 * fabs(next))
+        /* Newton's steps square the error: half the digits now are all next. */
+        if (fabs(next - x) <= (is_newton ? 0x1p-30 : 0x1p-52) * fabs(next))
             return next;
         x = next;
     }

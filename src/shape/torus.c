@@ -124,9 +124,11 @@ static double solve(const struct torus *s, const struct chord *c, double a, doub
             b = x;
         else
             a = x;
-        double next = x - y.f / y.slope;
+        double next = x - y.f / y.slope, step = next - x;
         if (!(next > a && next < b))
             next = a + (b - a) / 2;
+        else if (step * step <= 0x1p-58 * fabs(y.slope))
+            return next;                /* what is left is of the order of step^2 / slope */
         if (next <= a || next >= b || fabs(next - x) <= 0x1p-54)
             return next;
         x = next;
