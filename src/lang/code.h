@@ -37,6 +37,7 @@ enum function_kind { FUNCTION_CODE, FUNCTION_TRANSFORM, FUNCTION_SPLINE, FUNCTIO
 struct function {
     enum function_kind kind;
     int n_parameter, n_component, n_register;
+    bool is_recursive;                  /* it must not be called */
     struct code *code;
     size_t n_code;
     const struct transform *transform;

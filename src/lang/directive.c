@@ -236,6 +236,7 @@ static void declare(struct lang *l, const struct ast *node)
 
     if ((node->marks || !node->target) && !check_marks(l, node))
         return;
+    l->declaring = node->target->name;
     if (!declared_value(l, node->value, &v, &semicolon)) {
         /* The name is known from now on: one mistake, one message. */
         if (node->target->kind != AST_NAME || scope_find(node->target->name))
@@ -512,20 +513,22 @@ static void define_macro(struct lang *l, const struct ast *node)
 /* A macro's argument before its scope is open. */
 struct argument { struct value value; struct value *refers; };
 
-/* A name alone is passed by reference, but for functions. */
-static bool by_reference(struct lang *l, const struct ast *a, struct argument *out)
+/* A name alone is passed by reference, but for functions, and for what ends
+ * before the macro begins: the locals of macros in the list of arguments. */
+static bool by_reference(struct lang *l, const struct ast *a, unsigned scope, struct argument *out)
 {
     if (a->kind != AST_NAME && a->kind != AST_INDEX)
         return false;
     if (a->kind == AST_INDEX) {
-        if (!array_item(l, a, true))
+        struct binding *array = scope_find(a->name);
+        if (!array || array->scope > scope || !array_item(l, a, true))
             return false;
         out->refers = array_place(l, a);
         return out->refers;
     }
     struct binding *b = scope_find(a->name);
     if (!b || b->value->type == VALUE_FUNCTION || b->value->type == VALUE_MACRO
-        || b->deprecated)
+        || b->deprecated || b->scope > scope)
         return false;
     out->refers = b->value;
     return true;
@@ -537,12 +540,12 @@ static const struct ast *lone(const struct ast *a)
     return !a->next || a->next->kind == AST_COMMA ? a : NULL;
 }
 
-static bool take_argument(struct lang *l, struct reader *r, struct argument *out)
+static bool take_argument(struct lang *l, struct reader *r, unsigned scope, struct argument *out)
 {
     const struct ast *a = r->has_item ? NULL : reader_look(r);
 
     *out = (struct argument) { .refers = NULL };
-    if (a && lone(a) && by_reference(l, a, out)) {
+    if (a && lone(a) && by_reference(l, a, scope, out)) {
         r->has_node = false;
         return true;
     }
@@ -583,12 +586,13 @@ static bool spliced_arguments(struct lang *l, const struct ast *call, const stru
                               struct argument *argument)
 {
     struct reader r;
+    unsigned scope = l->n_scope;
     int n = 0;
     bool fine = true;
 
     reader_open(&r, l, call->args);
     while (fine && n < m->n && more_arguments(&r)) {
-        fine = take_argument(l, &r, &argument[n++]);
+        fine = take_argument(l, &r, scope, &argument[n++]);
         skip_raw_comma(&r);
     }
     fine = fine && !r.failed;
@@ -610,7 +614,7 @@ static bool plain_arguments(struct lang *l, const struct ast *call, const struct
     unsigned errors = l->diag->errors;
     for (const struct ast *a = call->args->first; a; a = a->next, argument++) {
         argument->refers = NULL;
-        if (by_reference(l, a, argument))
+        if (by_reference(l, a, l->n_scope, argument))
             continue;
         evaluate(l, a, &argument->value);
         if (argument->value.n == 5)

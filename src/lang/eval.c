@@ -272,7 +272,20 @@ static void eval_binary(struct lang *l, const struct ast *a, struct value *out)
 
     eval(l, a->left, out);
     eval(l, a->right, &right);
-    binary(l, a->at, a->op, out, &right);
+    if (out->type == VALUE_NUMBER && right.type == VALUE_NUMBER && out->n == 1 && right.n == 1
+        && (a->op == '+' || a->op == '-' || a->op == '*'))
+        out->v[0] = a->op == '+' ? out->v[0] + right.v[0]
+            : a->op == '-' ? out->v[0] - right.v[0] : out->v[0] * right.v[0];
+    else
+        binary(l, a->at, a->op, out, &right);
+}
+
+/* In parentheses a colour is five numbers like any others. */
+static void eval_paren(struct lang *l, const struct ast *a, struct value *out)
+{
+    evaluate_one(l, a->args, "a value in the parentheses", out);
+    if (out->type == VALUE_COLOUR)
+        out->type = VALUE_NUMBER;
 }
 
 static void eval(struct lang *l, const struct ast *a, struct value *out)
@@ -290,7 +303,7 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
         unary(l, a->at, a->op, out);
         return;
     case AST_FUNC: call_run(l, a, out); return;
-    case AST_PAREN: evaluate_one(l, a->args, "a value in the parentheses", out); return;
+    case AST_PAREN: eval_paren(l, a, out); return;
     case AST_VECTOR: eval_vector(l, a, out); return;
     case AST_INDEX: eval_index(l, a, out); return;
     case AST_CONSTANT: a->word->constant->get(l, out); return;

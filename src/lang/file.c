@@ -310,12 +310,15 @@ static bool read_vector(struct handle *h, struct value *out)
     double v[5];
     int n = 0;
 
+    advance(h);
     do {
-        advance(h);
         if (n == 5 || !read_number(h, &v[n++]))
             return false;
         skip_space(h);
-    } while (h->next == ',');
+        if (h->next == ',')
+            advance(h);
+        skip_space(h);
+    } while (h->next != '>' && h->next != EOF);
     if (h->next != '>' || n < 2)
         return false;
     advance(h);

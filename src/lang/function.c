@@ -322,6 +322,11 @@ static const struct function *called(struct compiling *c, const struct ast *a)
 {
     struct binding *b = scope_find(a->name);
 
+    if (!b && a->name == c->l->declaring) {
+        diag_warning(c->l->diag, a->at, "function '%s' calls itself: that never ends", a->name->text);
+        c->f->is_recursive = true;
+        return c->f;
+    }
     if (b && b->value->type == VALUE_FUNCTION && !a->params)
         return b->value->thing;
     struct guess g = guess_start(a->name->text);
@@ -340,13 +345,18 @@ static void compile_call(struct compiling *c, const struct ast *a, int component
     int n = compile_arguments(c, a->args, to);
     if (n < 0)
         return;
-    if (n != f->n_parameter)
+    if (n != f->n_parameter && f != c->f)
         say_count(c, a, a->name->text, f->n_parameter, n);
     else if (component < 0 && f->n_component > 1)
         fail(c, a->at, "a vector function needs a component here: .x, .red ...");
     else if (component >= f->n_component)
         fail(c, a->at, "the function has no such component");
     else {
+        if (f == c->f) {                /* refused where it is called */
+            emit_number(c, 0, to);
+            return;
+        }
+        c->f->is_recursive |= f->is_recursive;
         struct code *code = emit(c, CODE_CALL, to);
         code->function = f;
         code->from = (uint16_t)(component < 0 ? 0 : component);
@@ -580,6 +590,10 @@ void function_call(struct lang *l, const struct ast *node, const struct function
         diag_error(l->diag, node->at, "function '%s' takes %d argument%s, not %d%s",
                    node->name->text, f->n_parameter, f->n_parameter == 1 ? "" : "s", n,
                    list.last_comma ? " and a comma" : "");
+        return;
+    }
+    if (f->is_recursive) {
+        diag_error(l->diag, node->at, "function '%s' calls itself without end", node->name->text);
         return;
     }
     for (int i = 0; i < n; i++) {

@@ -27,19 +27,31 @@ static void unlink_binding(struct binding *b)
 
 void scope_close(struct lang *l)
 {
-    for (struct binding *b = l->scope[l->n_scope]; b; b = b->sibling)
+    for (struct binding *b = l->scope[l->n_scope], *next; b; b = next) {
+        next = b->sibling;
         unlink_binding(b);
+        b->sibling = l->spare;
+        l->spare = b;
+    }
     l->n_scope--;
 }
 
 static struct binding *binding_new(struct lang *l, struct name *name, unsigned scope,
                                    struct loc at)
 {
-    struct binding *b = arena_alloc(l->mem, sizeof *b);
+    struct binding *b = l->spare;
 
+    if (b)
+        l->spare = b->sibling;
+    else
+        b = arena_alloc(l->mem, sizeof *b);
+    b->own.type = VALUE_NONE;
     b->name = name;
     b->value = &b->own;
+    b->outer = b->sibling = NULL;
     b->scope = scope;
+    b->deprecated = NULL;
+    b->warn_once = false;
     b->at = at;
     if (scope) {
         b->sibling = l->scope[scope];

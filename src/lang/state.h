@@ -49,10 +49,12 @@ struct lang {
     unsigned n_call, n_include;         /* open macro calls and includes */
     struct binding **scope;             /* bindings of each open scope; [0] is unused */
     unsigned n_scope;
+    struct binding *spare;              /* bindings of closed scopes, linked by sibling */
     size_t room_scope;
     double rounds;                      /* of all loops so far */
     double budget_rounds;
 
+    const struct name *declaring;       /* what is being declared */
     int version;                        /* number * 100, as #version says */
     bool version_given;
     bool charset_utf8;                  /* global_settings { charset utf8 } */
