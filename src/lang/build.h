@@ -168,6 +168,10 @@ struct material {
 };
 extern const struct field finish_parts[], image_fields[], warp_fields[];
 
+/* function W, H { } instead of a picture file; false: it does not stand next. */
+struct drawn { unsigned width, height; const struct function *function; };
+bool build_drawn(struct reader *r, struct drawn *d);
+
 /* image_map's braces: the file or function, then its words. */
 void build_image(struct lang *l, const struct item *block, struct image_use *use, bool *unsupported);
 

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/function.h"
 
 const struct field image_types[] = {
     { "gif", FIELD_CUSTOM, 0, ANY, "a GIF file" }, { "tga", FIELD_CUSTOM, 0, ANY, "a Targa file" },
@@ -40,7 +41,8 @@ struct source_file {
     struct loc at;
     const char *name, *type;
     double gamma;
-    bool premultiplied, by_function;
+    bool premultiplied;
+    struct drawn drawn;
 };
 
 enum { MOST_PALETTE_WORDS = 1024 };
@@ -55,31 +57,68 @@ struct reading {
 
 /* --- where the picture comes from ------------------------------------------------- */
 
-/* function W, H { ... }: how the parser gives it back is the evaluator's affair. */
-static void skip_function(struct reader *r, struct source_file *f)
+enum { MOST_SIDE = 32768 };             /* pixels of a picture by a function */
+
+static unsigned read_side(struct reader *r, bool comma)
 {
-    f->by_function = true;
-    reader_number(r, false, "width of the function's picture");
-    reader_number(r, true, "height of the function's picture");
-    if (reader_peek(r)->kind == ITEM_BRACES || item_is_thing(reader_peek(r), VALUE_FUNCTION)
-        || reader_peek(r)->kind == ITEM_BLOCK)
-        reader_next(r);
+    if (comma)
+        reader_skip_comma(r);
+    struct loc at = reader_at(r);
+    double n = reader_number(r, false, "width and height of the function's picture");
+    if (n >= 1 && n <= MOST_SIDE)
+        return (unsigned)n;
+    diag_error(r->lang->diag, at, "a picture by a function has 1 to %d pixels a side", MOST_SIDE);
+    return 1;
+}
+
+/* The braces behind the size are a function's body. */
+bool build_drawn(struct reader *r, struct drawn *d)
+{
+    struct ast body = { .kind = AST_FUNCTION };
+    struct value v;
+
+    if (!reader_takes_word(r, "function"))
+        return false;
+    d->width = read_side(r, false);
+    d->height = read_side(r, true);
+    struct item i = reader_next(r);
+    if (i.kind != ITEM_BRACES) {
+        diag_error(r->lang->diag, i.at, "expected { } with a function; found %s",
+                   item_describe(r->lang, &i));
+        return true;
+    }
+    body.at = i.at;
+    body.body = (struct ast *)i.body;
+    if (function_make(r->lang, &body, &v))
+        d->function = v.thing;
+    return true;
+}
+
+/* Facts patterns.md 6.6: y grows downwards, and 16 bits are kept. */
+static const struct image *draw(struct lang *l, const struct drawn *d)
+{
+    struct image *to = arena_alloc(l->scene_mem, sizeof *to);
+    double step_x = d->width > 1 ? 1.0 / (d->width - 1) : 0;
+    double step_y = d->height > 1 ? 1.0 / (d->height - 1) : 0;
+
+    to->width = d->width;
+    to->height = d->height;
+    to->pixel = arena_array(l->scene_mem, (size_t)d->width * d->height, sizeof *to->pixel);
+    for (unsigned y = 0; y < d->height; y++)
+        for (unsigned x = 0; x < d->width; x++) {
+            double at[3] = { x * step_x, y * step_y, 0 };
+            double v = fmin(fmax(function_at(d->function, at), 0), 1);
+            float g = (float)(floor(v * 65535) / 65535);
+            to->pixel[(size_t)y * d->width + x] = (colour) { g, g, g, 0, 0 };
+        }
+    return to;
 }
 
 static void read_source(struct reader *r, struct source_file *f)
 {
+    if (build_drawn(r, &f->drawn))
+        return;
     const struct item *i = reader_peek(r);
-
-    if (item_is_thing(i, VALUE_FUNCTION)) {
-        f->by_function = true;
-        reader_next(r);
-        return;
-    }
-    if (i->kind == ITEM_WORD && item_is(i, "function")) {
-        reader_next(r);
-        skip_function(r, f);
-        return;
-    }
     if (i->kind == ITEM_WORD && field_find(image_types, i->word->text))
         f->type = reader_next(r).word->text;
     f->at = reader_at(r);
@@ -177,7 +216,11 @@ void build_image(struct lang *l, const struct item *block, struct image_use *use
     }
     reader_close(&r);
     check_use(l, block, use);
-    *unsupported = w.file.by_function;
+    const struct function *f = w.file.drawn.function;
+    bool grey = f && function_components(f) == 1 && function_parameters(f) == 3;
+    *unsupported = w.file.drawn.width > 0 && !grey;
+    if (grey && strcmp(block->text, "image_map") == 0)
+        use->image = draw(l, &w.file.drawn);
     if (w.unsupported)
         diag_unsupported(l->diag, block->at, w.unsupported);
     if (w.file.name && *w.file.name)

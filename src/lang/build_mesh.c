@@ -506,10 +506,17 @@ static void read_sections(struct making *m, struct reader *r, const struct item 
         return;
     }
     read_faces(m, &i);
-    if ((m->has_uv_indices = take_block(r, "uv_indices", &i)))
-        read_more_indices(m, &i, m->uv.n, true);
-    if ((m->has_normal_indices = take_block(r, "normal_indices", &i)))
-        read_more_indices(m, &i, m->normal.n, false);
+    for (bool more = true; more;) {     /* in either order */
+        more = false;
+        if (take_block(r, "uv_indices", &i)) {
+            read_more_indices(m, &i, m->uv.n, true);
+            more = m->has_uv_indices = true;
+        }
+        if (take_block(r, "normal_indices", &i)) {
+            read_more_indices(m, &i, m->normal.n, false);
+            more = m->has_normal_indices = true;
+        }
+    }
     if (reader_takes_word(r, "inside_vector"))
         m->mesh->inside_vector = vec_unit(build_vector(r, false, "inside_vector"));
 }

@@ -416,12 +416,11 @@ static bool read_field_item(struct reader *r, const struct item *i, void *arg)
 /* The file is looked for, so that its absence is told today. */
 static void read_field_source(struct reader *r)
 {
-    struct loc at = reader_at(r);
+    struct drawn drawn = { 0 };
 
-    if (item_is_thing(reader_peek(r), VALUE_FUNCTION)) {
-        reader_next(r);
+    if (build_drawn(r, &drawn))
         return;
-    }
+    struct loc at = reader_at(r);
     const struct item *i = reader_peek(r);
     if (i->kind == ITEM_WORD && field_find(image_types, i->word->text)) {
         reader_next(r);

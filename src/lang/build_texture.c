@@ -169,32 +169,36 @@ static const struct texture *only_moved(struct reader *r, const struct texture *
             move_layers(r->lang, &t, &move);
         else if (is_look(&i)) {
             struct texture spare = texture_default;
-            diag_error(r->lang->diag, i.at, "only transforms can follow a layered or patterned texture");
+            diag_error(r->lang->diag, i.at, "only transforms can follow a texture made by a pattern");
             change(r->lang, &i, &spare);
         } else
-            build_unknown(r->lang, &i, "a layered or patterned texture", tables);
+            build_unknown(r->lang, &i, "a texture made by a pattern", tables);
     }
     return t;
 }
 
+/* Of layers, pigment, normal and finish change the highest; transforms move
+ * them all. */
 static const struct texture *plain(struct reader *r, const struct texture *from)
 {
     const struct field *const tables[] = { texture_words, transform_fields, NULL };
-    struct texture *t = copy(r->lang, from);
+    struct texture *top;
+    const struct texture *bottom = copy_layers(r->lang, from, &top);
     struct transform move;
 
-    while (take_identifiers(r, t))
+    while (take_identifiers(r, top))
         continue;
     for (struct item i = reader_next(r); i.kind != ITEM_END; i = reader_next(r)) {
         if (is_look(&i)) {
-            settle(r->lang, t);
-            change(r->lang, &i, t);
-        } else if (build_transform(r, &i, &move))
-            t->place = transform_compose(&move, &t->place);
-        else if (i.kind != ITEM_WORD || !item_is(&i, "no_bump_scale"))
+            settle(r->lang, top);
+            change(r->lang, &i, top);
+        } else if (build_transform(r, &i, &move)) {
+            for (struct texture *t = (struct texture *)bottom; t; t = (struct texture *)t->above)
+                t->place = transform_compose(&move, &t->place);
+        } else if (i.kind != ITEM_WORD || !item_is(&i, "no_bump_scale"))
             build_unknown(r->lang, &i, "texture", tables);
     }
-    return t;
+    return bottom;
 }
 
 static const struct texture *patterned(struct reader *r, const struct item *block)
@@ -281,7 +285,7 @@ const struct texture *build_texture_body(struct reader *r, const struct item *bl
     struct build *b = build_of(r->lang);
     const struct item *i = reader_peek(r);
 
-    if (declared && (declared->above || declared->kind != TEXTURE_PLAIN))
+    if (declared && declared->kind != TEXTURE_PLAIN)
         return only_moved(r, declared);
     if (declared)
         return plain(r, declared);
