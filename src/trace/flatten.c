@@ -428,6 +428,35 @@ static void add_csg(struct builder *b, const struct object *o, const struct cont
 
 static void add_object(struct builder *b, const struct object *o, const struct context *outer);
 static uint32_t new_space(struct builder *b);
+/* Bits of struct space: may the item block light, may it let some through? */
+static void note_barriers(struct builder *b, uint32_t item, uint64_t bit, struct space *s)
+{
+    const struct leaf *l = &b->plan->leaf[item_number(item)];
+
+    if (item_kind(item) != ITEM_LEAF || l->surface == NO_LEAF) {
+        s->opaque |= bit;
+        s->clear |= bit;
+    } else if (l->mask & RAY_SHADOW) {
+        bool is_opaque = b->plan->surface[l->surface].is_opaque;
+        *(is_opaque ? &s->opaque : &s->clear) |= bit;
+    }
+}
+
+static struct few *few_of(struct builder *b, const struct list *items, struct space *s)
+{
+    if (items->n > FEW)
+        return NULL;
+    struct few *f = arena_alloc(b->plan->mem, sizeof *f);
+    for (size_t i = 0; i < items->n; i++) {
+        struct bounds box = item_bounds(b, items->item[i]);
+        if (bounds_are_empty(box))
+            continue;
+        note_barriers(b, items->item[i], (uint64_t)1 << f->n, s);
+        few_add(f, items->item[i], &box);
+    }
+    return f;
+}
+
 static void finish_space(struct builder *b, uint32_t number, const struct list *items);
 
 static void add_children(struct builder *b, const struct object *o, const struct context *c)
@@ -561,13 +590,7 @@ static struct bounds item_bounds(const struct builder *b, uint32_t item)
     return (struct bounds) { vec_sub(out.low, by), vec_add(out.high, by) };
 }
 
-struct bounded { const struct builder *b; const uint32_t *item; };
-
-static struct bounds bounded_bounds(const void *of, size_t i)
-{
-    const struct bounded *l = of;
-    return item_bounds(l->b, l->item[i]);
-}
+static struct bounds nth(const void *of, size_t i) { return ((const struct bounds *)of)[i]; }
 
 /* A transform that is not a similarity gives a ball that is larger than need
  * be; mat_norm is sqrt 3 times the scale of one that is. */
@@ -586,13 +609,20 @@ static double ball_stretch(const struct placement *p)
     return is_similarity ? most * (1 + 1e-8) : p->stretch;
 }
 
+static bool is_ball(const struct builder *b, uint32_t item)
+{
+    const struct leaf *l = &b->plan->leaf[item_number(item)];
+
+    return item_kind(item) == ITEM_LEAF && l->ops && l->ops->is_ball;
+}
+
 static bool item_ball(const void *of, uint32_t item, vec3 *centre, double *radius)
 {
     const struct builder *b = of;
-    const struct leaf *l = &b->plan->leaf[item_number(item)];
 
-    if (item_kind(item) != ITEM_LEAF || !l->ops || !l->ops->is_ball)
+    if (!is_ball(b, item))
         return false;
+    const struct leaf *l = &b->plan->leaf[item_number(item)];
     struct bounds box = l->ops->bounds(l->shape);
     *centre = vec_add(vec_scale(box.low, 0.5), vec_scale(box.high, 0.5));
     *radius = fmax(box.high.x - centre->x, fmax(box.high.y - centre->y, box.high.z - centre->z));
@@ -605,12 +635,10 @@ static bool item_ball(const void *of, uint32_t item, vec3 *centre, double *radiu
 
 static bool mostly_balls(const struct builder *b, const struct list *items)
 {
-    vec3 centre;
-    double radius;
     size_t n = 0;
 
     for (size_t i = 0; i < items->n; i++)
-        n += item_ball(b, items->item[i], &centre, &radius);
+        n += is_ball(b, items->item[i]);
     return 2 * n > items->n;
 }
 
@@ -618,22 +646,27 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
 {
     enum { ITEMS_A_LEAF = 4, BALLS_A_LEAF = 8 };
     struct list bounded = { 0 }, unbounded = { 0 };
+    struct bounds *bounds = arena_array(&b->scrap, items->n + 1, sizeof *bounds);
     struct space s = { .n_unbounded = 0 };
 
     for (size_t i = 0; i < items->n; i++) {
         struct bounds one = item_bounds(b, items->item[i]);
-        if (!bounds_are_empty(one))
-            list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
+        if (bounds_are_empty(one))
+            continue;
+        if (bounds_are_finite(one))
+            bounds[bounded.n] = one;
+        list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
     }
     bool balls = mostly_balls(b, &bounded);
-    bvh_build(&s.tree, bounded.n, bounded_bounds, &(struct bounded) { b, bounded.item },
-              balls ? BALLS_A_LEAF : ITEMS_A_LEAF, b->threads, b->plan->mem);
+    bvh_build(&s.tree, bounded.n, nth, bounds, balls ? BALLS_A_LEAF : ITEMS_A_LEAF, b->threads,
+              b->plan->mem);
     for (size_t i = 0; i < bounded.n; i++)
         s.tree.item[i] = bounded.item[s.tree.item[i]];
     if (balls)
         bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
     s.n_unbounded = unbounded.n;
     s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
+    s.few = few_of(b, items, &s);
     b->geometry->space[number] = s;
 }
 
