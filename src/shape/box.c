@@ -3,30 +3,30 @@
 #include "shape/unit.h"
 
 struct box {
-    vec3 low, high;
+    vec3 corner[2];                     /* low, high */
     double size;                        /* largest coordinate */
 };
 
 enum face { LOW_X, HIGH_X, LOW_Y, HIGH_Y, LOW_Z, HIGH_Z };
 
-static const struct box defaults = { .high = { 1, 1, 1 } };
+static const struct box defaults = { .corner = { { 0, 0, 0 }, { 1, 1, 1 } } };
 
 static const struct field args[] = {
-    { "", FIELD_POINT, offsetof(struct box, low), ANY, "a corner", NULL },
-    { "", FIELD_POINT, offsetof(struct box, high), ANY, "the opposite corner", NULL },
+    { "", FIELD_POINT, offsetof(struct box, corner), ANY, "a corner", NULL },
+    { "", FIELD_POINT, offsetof(struct box, corner) + sizeof(vec3), ANY, "the opposite corner", NULL },
     FIELD_END
 };
 
 static const char *prepare(void *self, struct arena *mem)
 {
     struct box *s = self;
-    vec3 a = s->low, b = s->high;
+    vec3 a = s->corner[0], b = s->corner[1];
 
     (void)mem;
     if (!vec_is_finite(a) || !vec_is_finite(b))
         return "not finite";
-    s->low = vec(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z));
-    s->high = vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
+    s->corner[0] = vec(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z));
+    s->corner[1] = vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
     s->size = fmax(vec_largest(a), vec_largest(b));
     return NULL;
 }
@@ -34,23 +34,27 @@ static const char *prepare(void *self, struct arena *mem)
 static struct bounds bounds(const void *self)
 {
     const struct box *s = self;
-    return (struct bounds) { s->low, s->high };
+    return (struct bounds) { s->corner[0], s->corner[1] };
 }
 
-/* Narrows the span to one slab.  A line in a face's plane makes 0 * inf: the
- * comparisons are written so that a NaN leaves the span as it is, and the
- * line counts as inside. */
-INLINE void clip(struct span *s, double low, double high, double origin, double inverse,
-                 uint32_t low_face)
-{
-    double a = (low - origin) * inverse, b = (high - origin) * inverse;
-    bool down = signbit(inverse);
-    double enter = down ? b : a, leave = down ? a : b;
+struct slab { double enter, leave; };
 
-    s->near_part = enter > s->near ? low_face + down : s->near_part;
-    s->near = enter > s->near ? enter : s->near;
-    s->far_part = leave < s->far ? low_face + !down : s->far_part;
-    s->far = leave < s->far ? leave : s->far;
+/* The ends are picked by the sign bit and not by comparing: no branch, and
+ * a line in a face's plane, which makes 0 * inf, leaves a NaN at the end
+ * where it belongs. */
+INLINE struct slab slab_of(double first, double last, double origin, double inverse)
+{
+    return (struct slab) { (first - origin) * inverse, (last - origin) * inverse };
+}
+
+/* A NaN never wins: such a line counts as inside of the slab. */
+INLINE double later(double a, double b) { return a > b ? a : b; }
+INLINE double sooner(double a, double b) { return a < b ? a : b; }
+
+/* dx, dy, dz: is it the high face of that axis? */
+INLINE uint32_t face_of(double t, double x, double y, bool dx, bool dy, bool dz)
+{
+    return t == x ? LOW_X + dx : t == y ? LOW_Y + dy : LOW_Z + dz;
 }
 
 /* Each slab's t has three roundings, so a line through an edge may seem to
@@ -58,16 +62,21 @@ INLINE void clip(struct span *s, double low, double high, double origin, double 
 INLINE bool cut(const void *self, struct ray ray, struct span *out)
 {
     const struct box *s = self;
-    struct span span = { -INFINITY, INFINITY, 0, 0 };
+    double ix = 1 / ray.dir.x, iy = 1 / ray.dir.y, iz = 1 / ray.dir.z;
+    bool dx = signbit(ix), dy = signbit(iy), dz = signbit(iz);
+    const vec3 *c = s->corner;
+    struct slab x = slab_of(c[dx].x, c[!dx].x, ray.origin.x, ix);
+    struct slab y = slab_of(c[dy].y, c[!dy].y, ray.origin.y, iy);
+    struct slab z = slab_of(c[dz].z, c[!dz].z, ray.origin.z, iz);
+    double near = later(z.enter, later(y.enter, later(x.enter, -INFINITY)));
+    double far = sooner(z.leave, sooner(y.leave, sooner(x.leave, INFINITY)));
 
-    clip(&span, s->low.x, s->high.x, ray.origin.x, 1 / ray.dir.x, LOW_X);
-    clip(&span, s->low.y, s->high.y, ray.origin.y, 1 / ray.dir.y, LOW_Y);
-    clip(&span, s->low.z, s->high.z, ray.origin.z, 1 / ray.dir.z, LOW_Z);
-    if (!(span.near - 8 * ROUNDING * fabs(span.near) <= span.far))
+    if (!(near - 8 * ROUNDING * fabs(near) <= far))
         return false;
-    if (span.far < span.near)
-        span.far = span.near;
-    *out = span;
+    out->near_part = face_of(near, x.enter, y.enter, dx, dy, dz);
+    out->far_part = face_of(far, x.leave, y.leave, !dx, !dy, !dz);
+    out->near = near;
+    out->far = later(far, near);
     return true;
 }
 
@@ -84,9 +93,10 @@ static bool nearest(const void *self, struct ray ray, double near, double far, s
 static bool inside(const void *self, vec3 p)
 {
     const struct box *s = self;
+    vec3 low = s->corner[0], high = s->corner[1];
 
-    return p.x >= s->low.x && p.x <= s->high.x && p.y >= s->low.y && p.y <= s->high.y
-           && p.z >= s->low.z && p.z <= s->high.z;
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z
+           && p.z <= high.z;
 }
 
 static vec3 normal(const void *self, vec3 p, const struct hit *h)
@@ -108,9 +118,9 @@ static double share(double c, double low, double high)
 static vec2 uv(const void *self, vec3 p, const struct hit *h)
 {
     const struct box *s = self;
-    double x = share(p.x, s->low.x, s->high.x);
-    double y = share(p.y, s->low.y, s->high.y);
-    double z = share(p.z, s->low.z, s->high.z);
+    vec3 low = s->corner[0], high = s->corner[1];
+    double x = share(p.x, low.x, high.x), y = share(p.y, low.y, high.y);
+    double z = share(p.z, low.z, high.z);
 
     switch ((enum face)h->part) {
     case LOW_X:  return (vec2) { z / 4, (1 + y) / 3 };
