@@ -32,9 +32,15 @@ static inline vec3 vec_cross(vec3 a, vec3 b)
 
 static inline double vec_get(vec3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
 
+/* One instruction each, where fmax and fmin are calls; b if either is NaN. */
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+static inline float largerf(float a, float b) { return a > b ? a : b; }
+static inline float smallerf(float a, float b) { return a < b ? a : b; }
+
 static inline double vec_largest(vec3 a)            /* of the absolute components */
 {
-    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
 /* Unit length at any scale: divides by the largest component first, so that
@@ -56,7 +62,7 @@ static inline rgb rgb_of(float r, float g, float b) { return (rgb) { r, g, b }; 
 static inline rgb rgb_add(rgb a, rgb b) { return rgb_of(a.r + b.r, a.g + b.g, a.b + b.b); }
 static inline rgb rgb_mul(rgb a, rgb b) { return rgb_of(a.r * b.r, a.g * b.g, a.b * b.b); }
 static inline rgb rgb_scale(rgb a, float s) { return rgb_of(a.r * s, a.g * s, a.b * s); }
-static inline float rgb_max(rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
+static inline float rgb_max(rgb a) { return largerf(a.r, largerf(a.g, a.b)); }
 
 /* POV-Ray's brightness (facts shading.md, notation). */
 static inline float rgb_grey(rgb a) { return 0.297f * a.r + 0.589f * a.g + 0.114f * a.b; }

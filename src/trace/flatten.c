@@ -428,35 +428,6 @@ static void add_csg(struct builder *b, const struct object *o, const struct cont
 
 static void add_object(struct builder *b, const struct object *o, const struct context *outer);
 static uint32_t new_space(struct builder *b);
-/* Bits of struct space: may the item block light, may it let some through? */
-static void note_barriers(struct builder *b, uint32_t item, uint64_t bit, struct space *s)
-{
-    const struct leaf *l = &b->plan->leaf[item_number(item)];
-
-    if (item_kind(item) != ITEM_LEAF || l->surface == NO_LEAF) {
-        s->opaque |= bit;
-        s->clear |= bit;
-    } else if (l->mask & RAY_SHADOW) {
-        bool is_opaque = b->plan->surface[l->surface].is_opaque;
-        *(is_opaque ? &s->opaque : &s->clear) |= bit;
-    }
-}
-
-static struct few *few_of(struct builder *b, const struct list *items, struct space *s)
-{
-    if (items->n > FEW)
-        return NULL;
-    struct few *f = arena_alloc(b->plan->mem, sizeof *f);
-    for (size_t i = 0; i < items->n; i++) {
-        struct bounds box = item_bounds(b, items->item[i]);
-        if (bounds_are_empty(box))
-            continue;
-        note_barriers(b, items->item[i], (uint64_t)1 << f->n, s);
-        few_add(f, items->item[i], &box);
-    }
-    return f;
-}
-
 static void finish_space(struct builder *b, uint32_t number, const struct list *items);
 
 static void add_children(struct builder *b, const struct object *o, const struct context *c)
@@ -640,6 +611,35 @@ static bool mostly_balls(const struct builder *b, const struct list *items)
     for (size_t i = 0; i < items->n; i++)
         n += is_ball(b, items->item[i]);
     return 2 * n > items->n;
+}
+
+/* Bits of struct space: may the item block light, may it let some through? */
+static void note_barriers(struct builder *b, uint32_t item, uint64_t bit, struct space *s)
+{
+    const struct leaf *l = &b->plan->leaf[item_number(item)];
+
+    if (item_kind(item) != ITEM_LEAF || l->surface == NO_LEAF) {
+        s->opaque |= bit;
+        s->clear |= bit;
+    } else if (l->mask & RAY_SHADOW) {
+        bool is_opaque = b->plan->surface[l->surface].is_opaque;
+        *(is_opaque ? &s->opaque : &s->clear) |= bit;
+    }
+}
+
+static struct few *few_of(struct builder *b, const struct list *items, struct space *s)
+{
+    if (items->n > FEW)
+        return NULL;
+    struct few *f = arena_alloc(b->plan->mem, sizeof *f);
+    for (size_t i = 0; i < items->n; i++) {
+        struct bounds box = item_bounds(b, items->item[i]);
+        if (bounds_are_empty(box))
+            continue;
+        note_barriers(b, items->item[i], (uint64_t)1 << f->n, s);
+        few_add(f, items->item[i], &box);
+    }
+    return f;
 }
 
 static void finish_space(struct builder *b, uint32_t number, const struct list *items)

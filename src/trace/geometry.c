@@ -11,8 +11,10 @@ enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found b
 /* What stood in a light's way last time, to be asked first. */
 struct blocker {
     uint32_t item, instance;
+    uint32_t bit;                       /* in a small scene; else none */
     bool is_known;
 };
+enum { NO_BIT = FEW };
 
 struct scratch {
     const struct plan *plan;
@@ -137,6 +139,14 @@ INLINE bool search_space(struct search *s, const struct space *space, visit_item
 {
     double far = s->far;
 
+    if (space->few) {
+        const struct rays one = { 1, &s->ray.origin.x, &s->ray.origin.y, &s->ray.origin.z,
+                                  &s->ray.dir.x, &s->ray.dir.y, &s->ray.dir.z };
+        uint64_t may;
+        few_aim(space->few, &one, &far, &may);
+        s->s->counts.box_tests += (unsigned)space->few->n;
+        return visit(s, space->few->item, (uint32_t)may, &far);
+    }
     for (size_t i = 0; i < space->n_unbounded; i++)
         if (visit(s, space->unbounded + i, 1, &far))
             return true;
@@ -324,7 +334,7 @@ static bool still_blocks(struct search *s, const struct blocker *b)
 bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, double far,
                       uint32_t light)
 {
-    struct blocker none = { 0, 0, false };
+    struct blocker none = { .is_known = false };
     struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
     struct meeting by;
     struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
@@ -335,8 +345,112 @@ bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, d
         return true;
     if (!search_space(&search, &p->geometry->space[0], visit_blocked))
         return false;
-    *last = (struct blocker) { by.leaf, by.instance, true };
+    *last = (struct blocker) { by.leaf, by.instance, NO_BIT, true };
     return true;
+}
+
+/* --- arrays of rays: in small scenes all boxes are tried first ------------- */
+
+enum { MANY = 256 };                    /* rays at a time */
+
+static struct ray ray_of(const struct rays *r, int i)
+{
+    return (struct ray) { { r->x[i], r->y[i], r->z[i] }, { r->dx[i], r->dy[i], r->dz[i] } };
+}
+
+static struct rays rays_from(const struct rays *r, int at)
+{
+    int n = r->n - at < MANY ? r->n - at : MANY;
+
+    return (struct rays) { n, r->x + at, r->y + at, r->z + at,
+                           r->dx + at, r->dy + at, r->dz + at };
+}
+
+static void nearest_of_few(const struct plan *p, struct scratch *s, const struct rays *r,
+                           const uint8_t *mask, struct meeting *out)
+{
+    const struct few *few = p->geometry->space[0].few;
+    uint64_t may[MANY];
+
+    few_aim(few, r, NULL, may);
+    for (int i = 0; i < r->n; i++) {
+        struct search search = { .plan = p, .s = s, .ray = ray_of(r, i), .instance = NO_INSTANCE,
+                                 .mask = mask[i], .far = INFINITY, .best = &out[i] };
+        double far;
+        out[i] = (struct meeting) { .t = INFINITY, .leaf = NO_LEAF, .instance = NO_INSTANCE };
+        visit_nearest(&search, few->item, (uint32_t)may[i], &far);
+    }
+    s->counts.rays += (unsigned)r->n;
+    s->counts.box_tests += (unsigned long long)r->n * (unsigned)few->n;
+}
+
+void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const uint8_t *mask, struct meeting *out)
+{
+    if (!p->geometry->space[0].few) {
+        for (int i = 0; i < rays->n; i++)
+            geometry_nearest(p, s, ray_of(rays, i), INFINITY, mask[i], &out[i]);
+        return;
+    }
+    for (int at = 0; at < rays->n; at += MANY) {
+        struct rays some = rays_from(rays, at);
+        nearest_of_few(p, s, &some, mask + at, out + at);
+    }
+}
+
+/* The last blocker first; then all that the ray may meet. */
+static bool few_block(struct search *s, const struct space *space, uint32_t may,
+                      struct blocker *last)
+{
+    uint64_t first = last->is_known && last->bit != NO_BIT ? (uint64_t)1 << last->bit & may : 0;
+    double far;
+
+    if (first && blocks(s, last->item))
+        return true;
+    for (may &= ~(uint32_t)first; may; may &= may - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(may);
+        if (visit_blocked(s, space->few->item + k, 1, &far)) {
+            *last = (struct blocker) { space->few->item[k], NO_INSTANCE, k, true };
+            return true;
+        }
+    }
+    return false;
+}
+
+static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *r,
+                           const double *far, uint32_t light, uint8_t *barrier)
+{
+    const struct space *space = &p->geometry->space[0];
+    struct blocker none = { .is_known = false };
+    struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
+    uint64_t may[MANY];
+
+    few_aim(space->few, r, far, may);
+    for (int i = 0; i < r->n; i++) {
+        struct meeting by;
+        struct search search = { .plan = p, .s = s, .ray = ray_of(r, i), .instance = NO_INSTANCE,
+                                 .mask = RAY_SHADOW, .far = far[i], .best = &by };
+        barrier[i] = few_block(&search, space, (uint32_t)(may[i] & space->opaque), last)
+                         ? BARRIER_OPAQUE
+                     : may[i] & space->clear ? BARRIER_MAYBE_CLEAR : BARRIER_NONE;
+    }
+    s->counts.shadow_rays += (unsigned)r->n;
+    s->counts.box_tests += (unsigned long long)r->n * (unsigned)space->few->n;
+}
+
+void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const double *far, uint32_t light, uint8_t *barrier)
+{
+    if (!p->geometry->space[0].few) {
+        for (int i = 0; i < rays->n; i++)
+            barrier[i] = geometry_blocked(p, s, ray_of(rays, i), far[i], light) ? BARRIER_OPAQUE
+                         : p->has_transparency ? BARRIER_MAYBE_CLEAR : BARRIER_NONE;
+        return;
+    }
+    for (int at = 0; at < rays->n; at += MANY) {
+        struct rays some = rays_from(rays, at);
+        blocked_by_few(p, s, &some, far + at, light, barrier + at);
+    }
 }
 
 /* --- crossings ------------------------------------------------------------- */

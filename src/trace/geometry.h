@@ -2,6 +2,7 @@
 #ifndef RTC_GEOMETRY_H
 #define RTC_GEOMETRY_H
 
+#include "trace/few.h"
 #include "trace/plan.h"
 
 /* What a ray met.  leaf NO_LEAF: nothing. */
@@ -30,6 +31,16 @@ bool geometry_nearest(const struct plan *p, struct scratch *s, struct ray ray, d
  * last-blocker cache).  Casters that let light through are not counted. */
 bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, double far,
                       uint32_t light);
+
+/* The same for arrays of rays; out[i].leaf is NO_LEAF where nothing is met. */
+void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const uint8_t *mask, struct meeting *out);
+
+/* What stands between the points and a light: an opaque caster, or perhaps
+ * some that filter (then geometry_crossings has to be asked). */
+enum barrier { BARRIER_NONE, BARRIER_MAYBE_CLEAR, BARRIER_OPAQUE };
+void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const double *far, uint32_t light, uint8_t *barrier);
 
 /* All meetings with casters that are not opaque, 0 < t < far, nearest first;
  * calls visit for each until it returns false. */

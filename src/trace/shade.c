@@ -47,36 +47,63 @@ KERNEL static void narrow(int n, const double *restrict from, float *restrict to
         to[i] = (float)from[i];
 }
 
-static rgb shadow_at(struct worker *w, const struct batch *b, int i, uint32_t lamp,
-                     const struct beams *beam)
+static size_t shadow_slot(const struct batch *b, int i, uint32_t lamp)
 {
-    size_t at = (size_t)lamp * BATCH + b->slot[i];
+    return (size_t)lamp * BATCH + b->slot[i];
+}
 
-    if (!w->shadows.known[at]) {
-        struct shadow_query q = {
+/* Which side of the surface the lamp lights: 2.4, step 2. */
+static bool is_back(const struct batch *b, int i, const struct arrival *a)
+{
+    return a->cosine[i] < no_light && !b->surface[i]->double_illuminate;
+}
+
+static bool is_lit(const struct batch *b, const struct gloss *g, int i, const struct beams *beam,
+                   const struct arrival *a)
+{
+    return beam->share[i] != 0 && !(is_back(b, i, a) && g->diffuse_back == 0);
+}
+
+/* Looks for the shadows that matter and are not known from another layer. */
+static void find_shadows(struct worker *w, const struct batch *b, const struct gloss *g,
+                         uint32_t lamp, const struct beams *beam, const struct arrival *a)
+{
+    struct shadow_query q[BATCH];
+    size_t slot[BATCH];
+    rgb through[BATCH];
+    int n = 0;
+
+    for (int i = 0; i < b->n; i++) {
+        size_t at = shadow_slot(b, i, lamp);
+        if (!is_lit(b, g, i, beam, a) || w->shadows.known[at])
+            continue;
+        q[n] = (struct shadow_query) {
             vec(b->x[i], b->y[i], b->z[i]), vec(b->nx[i], b->ny[i], b->nz[i]),
             vec(beam->dx[i], beam->dy[i], beam->dz[i]), w->point[b->hit[i]].slack, beam->far[i],
             lamp, w->now.inside[b->hit[i]] };
-        w->shadows.through[at] = shadow_through(w, &q);
-        w->shadows.known[at] = true;
+        slot[n++] = at;
     }
-    return w->shadows.through[at];
+    if (n)
+        shadow_through(w, n, q, through);
+    for (int k = 0; k < n; k++) {
+        w->shadows.through[slot[k]] = through[k];
+        w->shadows.known[slot[k]] = true;
+    }
 }
 
-/* Which side of the surface the lamp lights: 2.4, steps 2 and 3. */
 static void arrive(struct worker *w, const struct batch *b, const struct gloss *g, int i,
                    uint32_t lamp, const struct beams *beam, struct arrival *a)
 {
     const struct lamp *l = &w->shader->lamp[lamp];
-    bool back = a->cosine[i] < no_light && !b->surface[i]->double_illuminate;
+    bool back = is_back(b, i, a);
     rgb light = rgb_scale(l->colour, beam->share[i]);
 
     a->r[i] = a->g[i] = a->b[i] = a->scatter[i] = a->shine[i] = 0;
-    if (beam->share[i] == 0 || (back && g->diffuse_back == 0))
+    if (!is_lit(b, g, i, beam, a))
         return;
     if (!l->shadowless)
-        light = rgb_mul(light, shadow_at(w, b, i, lamp, beam));
-    if (fmaxf(fabsf(light.r), fmaxf(fabsf(light.g), fabsf(light.b))) < no_light)
+        light = rgb_mul(light, w->shadows.through[shadow_slot(b, i, lamp)]);
+    if (largerf(fabsf(light.r), largerf(fabsf(light.g), fabsf(light.b))) < no_light)
         return;
     a->r[i] = light.r;
     a->g[i] = light.g;
@@ -98,11 +125,13 @@ static void light_arrives(struct worker *w, const struct batch *b, const struct 
     narrow(b->n, beam.dz, a->z);
     cosines(b->n, v, a);
     a->any = false;
-    for (int i = 0; i < b->n; i++) {
+    for (int i = 0; i < b->n; i++)
         if (alive[i] == 0)
             beam.share[i] = 0;
+    if (!w->shader->lamp[lamp].shadowless)
+        find_shadows(w, b, g, lamp, &beam, a);
+    for (int i = 0; i < b->n; i++)
         arrive(w, b, g, i, lamp, &beam, a);
-    }
 }
 
 /* ---- diffuse light and highlights ---- */
@@ -325,8 +354,8 @@ static void coat_colours(const struct batch *b, int layer, struct colours *out)
 static void opacity(int n, const struct colours *c, bool is_old, float *out)
 {
     for (int i = 0; i < n; i++) {
-        float bright = fmaxf(c->r[i], fmaxf(c->g[i], c->b[i]));
-        out[i] = 1 - (is_old ? c->f[i] * bright : c->f[i]) - c->t[i];
+        float bright = is_old ? largerf(c->r[i], largerf(c->g[i], c->b[i])) : 1;
+        out[i] = 1 - c->f[i] * bright - c->t[i];
     }
 }
 
@@ -415,9 +444,8 @@ struct stack {
 
 static void stack_start(struct stack *s, int n)
 {
-    memset(s->r, 0, sizeof s->r);
-    memset(s->g, 0, sizeof s->g);
-    memset(s->b, 0, sizeof s->b);
+    for (int i = 0; i < n; i++)
+        s->r[i] = s->g[i] = s->b[i] = 0;
     for (int i = 0; i < n; i++)
         s->fr[i] = s->fg[i] = s->fb[i] = s->trans[i] = s->alive[i] = 1;
 }
@@ -431,7 +459,7 @@ KERNEL static void stack_light(int n, const struct coat *restrict c, struct stac
     }
 }
 
-static float left(float share) { return fminf(1, 1 - share); }
+static float left(float share) { return share > 0 ? 1 - share : 1; }
 
 static void stack_filter(int n, const struct coat *c, const struct mirror_layer *m,
                          double adc_bailout, struct stack *s)
@@ -447,7 +475,8 @@ static void stack_filter(int n, const struct coat *c, const struct mirror_layer 
             s->fg[i] *= left(m->g[i]);
             s->fb[i] *= left(m->b[i]);
         }
-        s->trans[i] = fminf(1, fabsf(rgb_grey(rgb_of(s->fr[i], s->fg[i], s->fb[i]))));
+        float grey = fabsf(rgb_grey(rgb_of(s->fr[i], s->fg[i], s->fb[i])));
+        s->trans[i] = grey < 1 ? grey : 1;
         s->alive[i] = (double)s->trans[i] > adc_bailout;
     }
 }
@@ -542,8 +571,9 @@ static void shade_batch(struct worker *w, const struct batch *b);
 static void shade_entry(struct worker *w, const struct batch *b, const struct program *entry,
                         const struct spots *s, const float *share)
 {
-    struct batch part = { .n = 0 };
+    struct batch part;
 
+    part.n = 0;
     for (int i = 0; i < b->n; i++) {
         if (share[i] == 0)
             continue;

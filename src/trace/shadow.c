@@ -125,20 +125,25 @@ static struct ray shadow_ray(const struct shadow_query *q, vec3 direction)
     return (struct ray) { vec_fma(q->point, off, q->normal), direction };
 }
 
+static rgb filtered(struct worker *w, const struct shadow_query *q, struct ray ray, double far)
+{
+    uint32_t kept = w->insides.n;
+    struct passing p = { w, ray, { 1, 1, 1 }, q->inside, 0 };
+
+    geometry_crossings(w->plan, w->scratch, ray, far, pass, &p);
+    w->insides.n = kept;
+    return p.light;
+}
+
 static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction, double far)
 {
     struct ray ray = shadow_ray(q, direction);
-    uint32_t kept = w->insides.n;
 
     if (!(far > 0))
         return rgb_of(1, 1, 1);
     if (geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp))
         return rgb_of(0, 0, 0);
-    struct passing p = { w, ray, { 1, 1, 1 }, q->inside, 0 };
-    if (w->plan->has_transparency)
-        geometry_crossings(w->plan, w->scratch, ray, far * nearly, pass, &p);
-    w->insides.n = kept;
-    return p.light;
+    return w->plan->has_transparency ? filtered(w, q, ray, far * nearly) : rgb_of(1, 1, 1);
 }
 
 /* ---- area lights: a grid of samples, looked at where they differ ---- */
@@ -203,11 +208,57 @@ static rgb area_through(struct worker *w, const struct shadow_query *q, const st
     return patch_light(&g, (struct patch) { 0, 0, l->area.n1 - 1, l->area.n2 - 1 }, 0);
 }
 
-rgb shadow_through(struct worker *w, const struct shadow_query *q)
+/* ---- many points, one lamp ---- */
+
+struct shadow_rays {
+    double x[BATCH], y[BATCH], z[BATCH], dx[BATCH], dy[BATCH], dz[BATCH], far[BATCH];
+    uint8_t barrier[BATCH];
+};
+
+/* A ray of no length meets nothing. */
+static void add_ray(struct shadow_rays *r, int i, const struct shadow_query *q)
+{
+    struct ray ray = shadow_ray(q, q->direction);
+
+    r->x[i] = ray.origin.x;
+    r->y[i] = ray.origin.y;
+    r->z[i] = ray.origin.z;
+    r->dx[i] = ray.dir.x;
+    r->dy[i] = ray.dir.y;
+    r->dz[i] = ray.dir.z;
+    r->far[i] = q->far > 0 ? q->far * nearly : 0;
+}
+
+static rgb behind(struct worker *w, const struct shadow_rays *r, int i,
+                  const struct shadow_query *q)
+{
+    if (r->barrier[i] == BARRIER_NONE)
+        return rgb_of(1, 1, 1);
+    if (r->barrier[i] == BARRIER_OPAQUE)
+        return rgb_of(0, 0, 0);
+    return filtered(w, q, shadow_ray(q, q->direction), r->far[i]);
+}
+
+static void straight_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)
+{
+    struct shadow_rays r;
+
+    for (int i = 0; i < n; i++)
+        add_ray(&r, i, &q[i]);
+    const struct rays rays = { n, r.x, r.y, r.z, r.dx, r.dy, r.dz };
+    geometry_blocked_many(w->plan, w->scratch, &rays, r.far, q->lamp, r.barrier);
+    for (int i = 0; i < n; i++)
+        through[i] = behind(w, &r, i, &q[i]);
+}
+
+void shadow_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)
 {
     const struct lamp *l = &w->shader->lamp[q->lamp];
 
-    if (l->is_area)
-        return area_through(w, q, l);
-    return along(w, q, q->direction, q->far);
+    if (!l->is_area) {
+        straight_through(w, n, q, through);
+        return;
+    }
+    for (int i = 0; i < n; i++)
+        through[i] = area_through(w, &q[i], l);
 }

@@ -4,14 +4,16 @@
 
 #include "trace/worker.h"
 
-/* 1: all of it; from a point with this viewer-facing normal, of a ray inside these interiors.
+/* From a point with this viewer-facing normal, of a ray inside these interiors;
  * direction and far: to the lamp, as lamp_beams says. */
 struct shadow_query {
     vec3 point, normal, direction;
     double slack, far;
     uint32_t lamp, inside;
 };
-rgb shadow_through(struct worker *w, const struct shadow_query *q);
+
+/* What gets through to n <= BATCH points of one lamp's light; 1: all of it. */
+void shadow_through(struct worker *w, int n, const struct shadow_query *q, rgb *through);
 
 /* What is left of light after a way through an interior (facts shading.md 3.4). */
 rgb interior_fade(const struct interior *in, double distance);

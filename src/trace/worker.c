@@ -91,10 +91,10 @@ static void reserve_hits(struct worker *w, int n)
 
 static void meet(struct worker *w)
 {
-    for (int i = 0; i < w->now.n; i++)
-        if (!geometry_nearest(w->plan, w->scratch, wave_at(&w->now, i), INFINITY,
-                              w->now.mask[i], &w->meeting[i]))
-            w->meeting[i].leaf = NO_LEAF;
+    const struct wave *r = &w->now;
+    const struct rays rays = { r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
+
+    geometry_nearest_many(w->plan, w->scratch, &rays, r->mask, w->meeting);
 }
 
 static void locate(struct worker *w)

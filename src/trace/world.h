@@ -5,6 +5,7 @@
 
 #include "trace/bvh.h"
 #include "trace/csg.h"
+#include "trace/few.h"
 #include "trace/geometry.h"
 #include "trace/mesh.h"
 
@@ -25,6 +26,8 @@ struct space {
     struct bvh tree;                    /* its items are these items */
     uint32_t *unbounded;                /* planes and the like */
     size_t n_unbounded;
+    struct few *few;                    /* all of it, if it is so little; else NULL */
+    uint64_t opaque, clear;             /* bits of few: may block light, may filter it */
 };
 
 struct geometry {
