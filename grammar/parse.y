@@ -477,7 +477,7 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     char text[200];
     size_t used = 0;
 
-    if (p->deep)
+    if (p->deep || token == YYSYMBOL_BAD)       /* which has a message of its own */
         return 0;
     for (int i = 0; i < n && n <= MOST_EXPECTED && used < sizeof text; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s %s",
@@ -488,6 +488,9 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     if (token == YYSYMBOL_YYEOF)
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected end of the text%s",
                                used ? text : "");
+    else if (*source == '=')
+        p->pending = ast_error(p, at, (struct loc) { 0 },
+                               "unexpected '='; a name gets its value with #declare NAME = VALUE;");
     else
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '%.*s'%s",
                                length < 40 ? length : 40, source, used ? text : "");

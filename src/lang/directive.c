@@ -649,6 +649,8 @@ bool macro_call(struct lang *l, const struct ast *call)
                    m->name->text, l->limits->call_depth);
         return false;
     }
+    if (say_unclosed(l, call->args))
+        return false;
     if (m->n > FEW)
         argument = arena_array(l->mem, (size_t)m->n, sizeof *argument);
     if (!(plain.flags & AST_PLAIN ? plain_arguments : spliced_arguments)(l, call, m, argument))

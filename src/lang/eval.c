@@ -27,7 +27,7 @@ bool is_equal(double a, double b)
 
 void harmless(struct value *out)
 {
-    *out = value_number(0);
+    *out = value_number(1);             /* as a radius or scale 0 would be the next mistake */
 }
 
 void wrong_type(struct lang *l, struct loc at, const struct value *v, const char *wanted)
@@ -457,8 +457,22 @@ static int spliced_values(struct lang *l, const struct ast *list, struct values 
     return fine ? values->n : -1;
 }
 
+/* A list whose end is missing holds what was meant to stand behind it. */
+bool say_unclosed(struct lang *l, const struct ast *list)
+{
+    const struct ast *last = list->last;
+
+    if (!last || last->kind != AST_ERROR || !last->other.source)
+        return false;
+    diag_error(l->diag, last->at, "%s", last->text);
+    diag_note(l->diag, last->other, "opened here");
+    return true;
+}
+
 int evaluate_list(struct lang *l, const struct ast *list, struct values *values, bool commas)
 {
+    if (say_unclosed(l, list))
+        return -1;
     values->item = values->usual;
     values->n = 0;
     if (!(list->flags & AST_PLAIN))
@@ -493,10 +507,13 @@ void evaluate_one(struct lang *l, const struct ast *list, const char *what, stru
 
 bool evaluate_number(struct lang *l, const struct ast *list, const char *what, double *out)
 {
+    unsigned errors = l->diag->errors;
     struct value v;
 
     *out = 0;
     evaluate_one(l, list, what, &v);
+    if (errors != l->diag->errors)
+        return false;
     if (!value_is_number(&v) || v.n != 1) {
         wrong_type(l, list->first ? list->first->at : list->at, &v, what);
         return false;

@@ -177,6 +177,9 @@ void file_open(struct lang *l, const struct ast *node)
         diag_error(l->diag, node->at, "'%s' is declared already", node->name->text);
         return;
     }
+    struct handle *h = arena_alloc(l->mem, sizeof *h);
+    h->writes = !reads;
+    *scope_declare_global(l, node->name, node->at)->value = value_thing(VALUE_FILE, h);
     const char *path = reads ? lang_find_file(l, node->args->first->at, name.bytes, NULL, "file")
         : joined(l, l->folder, name.bytes);
     if (!path)
@@ -191,11 +194,9 @@ void file_open(struct lang *l, const struct ast *node)
         diag_error(l->diag, node->at, "cannot open '%s': %s", path, strerror(errno));
         return;
     }
-    struct handle *h = arena_alloc(l->mem, sizeof *h);
     *h = (struct handle) { f, !reads, reads ? getc(f) : 0, 1, path, l->handle };
     l->handle = h;
     l->file = reads ? l->file : NULL;   /* an included file may be about to change */
-    *scope_declare_global(l, node->name, node->at)->value = value_thing(VALUE_FILE, h);
 }
 
 static void close_handle(struct handle *h)
@@ -243,6 +244,8 @@ static struct handle *named_handle(struct lang *l, const struct ast *node, const
         diag_error(l->diag, a->at, "this file is open for %s", h->writes ? "writing" : "reading");
         return NULL;
     }
+    if (!h->file)
+        return NULL;                    /* it could not be opened, which was said */
     *rest = a->next;
     if (*rest && (*rest)->kind == AST_COMMA)
         *rest = (*rest)->next;

@@ -40,6 +40,9 @@ bool frame_break(struct reader *r, const struct ast *node);
 const struct ast *reader_step(struct reader *r);
 const struct ast *reader_look(struct reader *r);    /* the same, not taken */
 
+/* After a mistake at the top level: on to the next block or directive. */
+void reader_resume(struct reader *r);
+
 void reader_start(struct reader *r, struct lang *l, const struct ast *list);
 
 /* Carries out a directive. */

@@ -160,7 +160,11 @@ static void build_items(struct lang *l, const struct ast *tree)
 
     reader_open(&r, l, tree);
     while (!l->stopped && reader_peek(&r)->kind != ITEM_END) {
-        build_statement(l, &r, reader_next(&r));
+        struct item i = reader_next(&r);
+        unsigned errors = l->diag->errors;
+        build_statement(l, &r, i);
+        if (errors != l->diag->errors && i.kind != ITEM_BLOCK)
+            reader_resume(&r);
         r.failed = false;
         l->stopped = l->stopped || l->diag->full;
     }

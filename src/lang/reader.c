@@ -280,6 +280,7 @@ static bool is_misplaced(struct reader *r, const struct ast *a)
 
 static void fetch(struct reader *r)
 {
+    unsigned errors = r->lang->diag->errors;
     const struct ast *a;
 
     r->item = (struct item) { .kind = ITEM_END, .at = r->close };
@@ -290,6 +291,7 @@ static void fetch(struct reader *r)
         r->item.at = a->at;
         read_item(r, a, &r->item);
     }
+    r->failed = r->failed || errors != r->lang->diag->errors;
     r->has_item = true;
 }
 
@@ -313,6 +315,14 @@ struct loc reader_at(struct reader *r)
     const struct item *i = reader_peek(r);
 
     return i->at.source ? i->at : r->brace;
+}
+
+void reader_resume(struct reader *r)
+{
+    struct frame *f = &r->lang->frame[r->lang->n_frame - 1];
+
+    if (!r->has_node && !r->has_item && !f->bulk_comma)
+        f->next = resume(f->next);
 }
 
 bool reader_skip_comma(struct reader *r)
@@ -387,7 +397,8 @@ bool reader_vector(struct reader *r, bool comma, int n, double *v, const char *w
         reader_next(r);
         return true;
     }
-    memset(v, 0, (size_t)n * sizeof *v);
+    for (int k = 0; k < n; k++)         /* 0 as a radius or scale would be the next mistake */
+        v[k] = 1;
     say_wanted(r, what);
     if (i->kind == ITEM_VALUE && value_is_number(&i->value))
         reader_next(r);
@@ -398,7 +409,8 @@ double reader_number(struct reader *r, bool comma, const char *what)
 {
     double x;
 
-    return reader_vector(r, comma, 1, &x, what) ? x : 0;
+    reader_vector(r, comma, 1, &x, what);
+    return x;
 }
 
 const char *reader_text(struct reader *r, bool comma, const char *what)
