@@ -211,8 +211,9 @@ struct special_shape {
     bool until_row;                     /* only as long as shapes[] has no such row */
 };
 extern const struct special_shape special_shapes[], mesh_shapes[], csg_shapes[];
+/* errors: how many there were before the block. */
 struct object *build_plain_shape(struct lang *l, struct reader *r, const struct item *block,
-                                 const struct shape_ops *ops);
+                                 const struct shape_ops *ops, unsigned errors);
 
 /* Adds to the scene, with a message for each part that cannot be shown yet. */
 void build_add(struct lang *l, struct object *o);

@@ -56,20 +56,46 @@ static const char *table_guess(struct lang *l, const struct item *i,
     return guess_text(&g, l);
 }
 
+/* A statement in the middle of a block: its closing brace is missing. */
+static bool is_statement(const struct item *i)
+{
+    return i->kind == ITEM_BLOCK && i->word->block && i->word->block->use;
+}
+
+static void unknown_name(struct lang *l, const struct item *i, const char *block,
+                         const struct field *const *tables)
+{
+    const char *guess = table_guess(l, i, tables);
+    struct guess g = guess_start(i->text);
+
+    if (*guess) {
+        diag_error(l->diag, i->at, "unknown word '%s' in %s%s", i->text, block, guess);
+        return;
+    }
+    guess_names(&g, l);
+    diag_error(l->diag, i->at, "undeclared name '%s' in %s%s", i->text, block, guess_text(&g, l));
+}
+
 void build_unknown(struct lang *l, const struct item *i, const char *block,
                    const struct field *const *tables)
 {
     switch (i->kind) {
     case ITEM_NAME:
-        diag_error(l->diag, i->at, "unknown word '%s' in %s%s", i->text, block,
-                   table_guess(l, i, tables));
+        unknown_name(l, i, block, tables);
         return;
     case ITEM_WORD: case ITEM_BLOCK:
-        diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
-                   table_guess(l, i, tables));
+        if (is_statement(i)) {
+            diag_error(l->diag, i->at, "'%s' cannot stand in %s: is a '}' missing before it?",
+                       i->text, block);
+            if (l->reader && l->reader->brace.source)
+                diag_note(l->diag, l->reader->brace, "%s begins here", block);
+        } else
+            diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
+                       table_guess(l, i, tables));
         return;
     default:
-        diag_error(l->diag, i->at, "%s cannot stand here in %s", item_describe(l, i), block);
+        if (!l->reader || !l->reader->failed)       /* else it is what a number was missed for */
+            diag_error(l->diag, i->at, "%s cannot stand here in %s", item_describe(l, i), block);
     }
 }
 

@@ -416,7 +416,8 @@ static bool starts_with_object(struct reader *r)
     return !(a && a->kind == AST_VECTOR) && item_is_thing(reader_peek(r), VALUE_OBJECT);
 }
 
-static struct object *any(struct lang *l, struct reader *r, const struct item *block)
+static struct object *any(struct lang *l, struct reader *r, const struct item *block,
+                          unsigned errors)
 {
     const struct special_shape *special = find_special(block->word->text);
 
@@ -424,16 +425,17 @@ static struct object *any(struct lang *l, struct reader *r, const struct item *b
         return wrapped(l, r, block);
     if (special && !(special->until_row && block->word->shape))
         return special->make(l, r, block);
-    return build_plain_shape(l, r, block, block->word->shape);
+    return build_plain_shape(l, r, block, block->word->shape, errors);
 }
 
 bool make_object(struct lang *l, const struct item *block, struct value *out)
 {
+    unsigned errors = l->diag->errors;
     struct reader r;
 
     build_of(l);
     reader_open(&r, l, block->body);
-    struct object *o = any(l, &r, block);
+    struct object *o = any(l, &r, block, errors);
     reader_close(&r);
     *out = value_thing(VALUE_OBJECT, o);
     return true;

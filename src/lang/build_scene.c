@@ -229,7 +229,9 @@ static void unknown_statement(struct lang *l, const struct item *i)
         diag_error(l->diag, i->at, i->body ? "unknown statement '%s'%s"
                                            : "'%s' is not declared, and no statement%s",
                    i->text, guess_text(&g, l));
-    } else
+    } else if (i->kind == ITEM_WORD && find_block(i->text))
+        diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
+    else
         diag_error(l->diag, i->at, "%s cannot stand outside of all blocks", item_describe(l, i));
 }
 

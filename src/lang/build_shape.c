@@ -4,13 +4,17 @@
 
 #include "lang/build.h"
 
-/* Mistakes of POV-Ray's users that only cost them the object: facts sdl.md 8.2. */
-static bool only_warns(const char *shape)
+/* Most shapes without a surface are only left out, as POV-Ray draws nothing
+ * either; these end its run (facts sdl.md 6.4, 8.2). */
+static bool is_fatal(const char *shape, const char *wrong)
 {
-    static const char *const words[] = { "triangle", "smooth_triangle", "polygon" };
+    static const struct { const char *shape, *wrong; } rows[] = {
+        { "cylinder", "zero length" }, { "cone", "zero length" }, { "plane", "zero normal" },
+        { "ovus", "negative radius" },
+    };
 
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        if (strcmp(shape, words[i]) == 0)
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (strcmp(shape, rows[i].shape) == 0 && strcmp(wrong, rows[i].wrong) == 0)
             return true;
     return false;
 }
@@ -37,16 +41,18 @@ static bool read_shape_word(struct reader *r, const struct item *i, void *arg)
     return build_from_table(r, b->ops->words, i, b->self);
 }
 
-static void prepare(struct lang *l, struct object *o, const struct item *block, void *self)
+/* said: a mistake in the block was told already; it explains the shape. */
+static void prepare(struct lang *l, struct object *o, const struct item *block, void *self,
+                    bool said)
 {
     const char *wrong = o->ops->prepare ? o->ops->prepare(self, l->scene_mem) : NULL;
 
     if (!wrong)
         return;
-    if (only_warns(o->ops->name))
-        diag_warning(l->diag, block->at, "%s: %s; it is left out", o->ops->name, wrong);
-    else
+    if (!said && is_fatal(o->ops->name, wrong))
         build_wrong(l, block, "%s: %s", o->ops->name, wrong);
+    else if (!said)
+        diag_warning(l->diag, block->at, "%s: %s; it is left out", o->ops->name, wrong);
     o->kind = OBJECT_UNION;             /* of nothing */
     o->ops = NULL;
     o->shape = NULL;
@@ -54,7 +60,7 @@ static void prepare(struct lang *l, struct object *o, const struct item *block, 
 }
 
 struct object *build_plain_shape(struct lang *l, struct reader *r, const struct item *block,
-                                 const struct shape_ops *ops)
+                                 const struct shape_ops *ops, unsigned errors)
 {
     struct object *o = object_start(l, OBJECT_SHAPE, block->at);
     void *self = arena_copy(l->scene_mem, ops->defaults, ops->size);
@@ -64,7 +70,7 @@ struct object *build_plain_shape(struct lang *l, struct reader *r, const struct 
     o->ops = ops;
     read_header(r, ops, self);
     build_modifiers(r, o, block, read_shape_word, &body, tables);
-    prepare(l, o, block, self);
+    prepare(l, o, block, self, l->diag->errors != errors);
     if (o->ops) {
         o->shape = self;
         o->box = object_bounds(o);

@@ -9,8 +9,7 @@ static struct object *nothing(struct lang *l, const struct item *block)
     struct object *o = object_start(l, OBJECT_UNION, block->at);
 
     o->unsupported = arena_text(l->scene_mem, block->text, strlen(block->text));
-    o->box = BOUNDS_EMPTY;
-    o->has_box = true;
+    o->reach = BOUNDS_EMPTY;
     return o;
 }
 
@@ -77,6 +76,22 @@ static struct points read_points(struct reader *r, const char *what, int compone
     return p;
 }
 
+/* So that max_extent is right before the shape can be drawn. */
+static void reach_to(struct object *o, vec3 p, double radius)
+{
+    o->reach = bounds_join(o->reach, (struct bounds) {
+        { p.x - radius, p.y - radius, p.z - radius }, { p.x + radius, p.y + radius, p.z + radius } });
+}
+
+/* Of a curve about y: through all its points. */
+static void reach_around(struct object *o, const struct points *p)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        double r = fabs(p->v[i][0]), y = p->v[i][1];
+        o->reach = bounds_join(o->reach, (struct bounds) { { -r, y, -r }, { r, y, r } });
+    }
+}
+
 static void at_least(struct lang *l, const struct item *block, const struct points *p, size_t least)
 {
     if (p->n < least)
@@ -109,6 +124,7 @@ static struct object *make_lathe(struct lang *l, struct reader *r, const struct 
     struct points p = read_points(r, "lathe", 2, false);
     bool smooth = spline && least_points(spline) > 2 && !is_bezier(spline);
 
+    reach_around(o, &p);
     at_least(l, block, &p, least_points(spline));
     fours(l, block, spline, &p);
     for (size_t i = smooth ? 1 : 0; i < p.n - (smooth && p.n > 0 ? 1 : 0); i++)
@@ -165,10 +181,14 @@ static struct object *make_prism(struct lang *l, struct reader *r, const struct 
 
     while ((last = take_words(r, splines)) || take_words(r, words))
         spline = last ? last : spline;
-    reader_number(r, false, "height of prism");
-    reader_number(r, true, "height of prism");
+    double low = reader_number(r, false, "height of prism");
+    double high = reader_number(r, true, "height of prism");
     reader_skip_comma(r);
     struct points p = read_points(r, "prism", 2, false);
+    for (size_t i = 0; i < p.n; i++) {
+        reach_to(o, vec(p.v[i][0], low, p.v[i][1]), 0);
+        reach_to(o, vec(p.v[i][0], high, p.v[i][1]), 0);
+    }
     check_prism(l, block, spline, &p);
     build_modifiers(r, o, block, takes_open, NULL, NULL);
     return o;
@@ -179,6 +199,7 @@ static struct object *make_sor(struct lang *l, struct reader *r, const struct it
     struct object *o = nothing(l, block);
     struct points p = read_points(r, "sor", 2, false);
 
+    reach_around(o, &p);
     at_least(l, block, &p, 4);
     for (size_t i = 0; i < p.n; i++) {
         bool sinks = i >= 2 && i + 1 < p.n && !(p.v[i][1] > p.v[i - 1][1]);
@@ -212,6 +233,8 @@ static struct object *make_sweep(struct lang *l, struct reader *r, const struct 
         diag_error(l->diag, at, "sphere_sweep begins with linear_spline, cubic_spline or b_spline");
     reader_skip_comma(r);
     struct points p = read_points(r, "sphere_sweep", 3, true);
+    for (size_t i = 0; i < p.n; i++)
+        reach_to(o, vec(p.v[i][0], p.v[i][1], p.v[i][2]), fabs(p.v[i][3]));
     at_least(l, block, &p, spline && strcmp(spline, "linear_spline") == 0 ? 2 : 4);
     build_modifiers(r, o, block, takes_tolerance, NULL, NULL);
     return o;
@@ -222,6 +245,8 @@ static struct object *make_polygon(struct lang *l, struct reader *r, const struc
     struct object *o = nothing(l, block);
     struct points p = read_points(r, "polygon", 3, false);
 
+    for (size_t i = 0; i < p.n; i++)
+        reach_to(o, vec(p.v[i][0], p.v[i][1], p.v[i][2]), 0);
     at_least(l, block, &p, 3);
     if (p.n >= 3 && !is_closed(&p, 3))
         diag_warning(l->diag, block->at, "this polygon is not closed: it is closed by a straight line");
@@ -370,7 +395,7 @@ static struct object *make_patch(struct lang *l, struct reader *r, const struct 
     while (read_patch_word(r))
         reader_skip_comma(r);
     for (int i = 0; i < 16; i++)
-        build_vector(r, true, "one of the 16 points of bicubic_patch");
+        reach_to(o, build_vector(r, true, "one of the 16 points of bicubic_patch"), 0);
     build_modifiers(r, o, block, NULL, NULL, NULL);
     return o;
 }
@@ -439,6 +464,7 @@ static struct object *make_height_field(struct lang *l, struct reader *r, const 
 {
     struct object *o = nothing(l, block);
 
+    o->reach = (struct bounds) { { 0, 0, 0 }, { 1, 1, 1 } };
     read_field_source(r);
     build_modifiers(r, o, block, read_field_item, NULL, NULL);
     return o;

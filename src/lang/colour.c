@@ -152,12 +152,25 @@ static bool read_base(struct reader *r, double c[5])
     return true;
 }
 
+/* `color red` is what Red of colors.inc was meant to be. */
+static bool needs_number(struct reader *r, const struct item *word)
+{
+    if (reader_peek(r)->kind != ITEM_END && reader_peek(r)->kind != ITEM_WORD)
+        return true;
+    diag_error(r->lang->diag, word->at, "'%s' is a component and needs a number, as in %s 1",
+               word->text, word->text);
+    diag_note(r->lang->diag, word->at, "the colours of colors.inc begin with a capital: Red, Green");
+    return false;
+}
+
 static void read_parts(struct reader *r, double c[5])
 {
     for (int p = find_part(reader_peek(r)); p >= 0; p = find_part(reader_peek(r))) {
         struct item word = reader_next(r);
         if (strcmp(parts[p].word, "alpha") == 0)
             diag_warning(r->lang->diag, word.at, "'alpha' means 'filter' here");
+        if (!needs_number(r, &word))
+            return;
         c[parts[p].index] = reader_number(r, false, parts[p].word);
     }
 }

@@ -118,6 +118,8 @@ static struct bounds surface_bounds(const struct object *o, const struct transfo
 {
     struct bounds b = BOUNDS_EMPTY;
 
+    if (o->unsupported)
+        return bounds_move(&o->reach, place);
     switch (o->kind) {
     case OBJECT_SHAPE:
         b = o->ops->bounds ? o->ops->bounds(o->shape) : BOUNDS_ALL;

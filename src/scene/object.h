@@ -84,6 +84,7 @@ struct object {
     bool has_box;
     bool keep_whole;                    /* split_union off */
     const char *unsupported;            /* a shape that cannot be rendered yet: an empty union, named */
+    struct bounds reach;                /* of such a shape, in inner space */
 };
 
 /* A node that may be changed freely, sharing all that it points to. */
