@@ -131,12 +131,19 @@ static rgb old_refraction(const struct corner *c, rgb light)
     return rgb_scale(light, (float)t->finish->refraction);
 }
 
+static float largest(rgb c)
+{
+    float r = fabsf(c.r), g = fabsf(c.g), b = fabsf(c.b);
+    float most = r > g ? r : g;
+
+    return most > b ? most : b;
+}
+
 /* Through the surface, or back from it if the angle is too flat: then true. */
 static bool refract(const struct corner *c, rgb filter, float trans)
 {
     struct worker *w = c->w;
-    float adc = w->now.adc[c->hit] * rgb_max(rgb_of(fabsf(filter.r), fabsf(filter.g),
-                                                    fabsf(filter.b)));
+    float adc = w->now.adc[c->hit] * largest(filter);
     uint32_t behind = w->now.inside[c->hit];
     double eta = cross(c, &behind);
     double cosine = fabs(vec_dot(c->dir, c->normal));

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "math/kernel.h"
+
 static bool wants_unit_vectors(enum camera_kind kind)
 {
     return kind != CAMERA_PERSPECTIVE && kind != CAMERA_ORTHOGRAPHIC
@@ -20,6 +22,13 @@ struct lens lens_of(const struct camera *c)
                         && c->kind != CAMERA_CYLINDER4,
     };
 
+    /* Only directions count, and squares of extreme lengths would not be finite. */
+    double big = fmax(vec_largest(l.direction), fmax(vec_largest(l.right), vec_largest(l.up)));
+    if (c->kind == CAMERA_PERSPECTIVE && big > 0 && (big < 1e-100 || big > 1e100)) {
+        l.direction = vec_scale(l.direction, 1 / big);
+        l.right = vec_scale(l.right, 1 / big);
+        l.up = vec_scale(l.up, 1 / big);
+    }
     if (wants_unit_vectors(c->kind)) {
         l.direction = vec_unit(l.direction);
         l.right = vec_unit(l.right);
@@ -147,4 +156,22 @@ bool lens_ray(const struct lens *l, double u, double v, struct ray *ray)
     }
     ray->dir = vec_unit(d);
     return true;
+}
+
+KERNEL void lens_fan(const struct lens *l, int n, const double *restrict u,
+                     const double *restrict v, double *restrict dx, double *restrict dy,
+                     double *restrict dz)
+{
+    const vec3 d = l->direction, right = l->right, up = l->up;
+
+    for (int i = 0; i < n; i++) {
+        double x = u[i] - 0.5, y = 0.5 - v[i];
+        double ax = fma(y, up.x, fma(x, right.x, d.x));
+        double ay = fma(y, up.y, fma(x, right.y, d.y));
+        double az = fma(y, up.z, fma(x, right.z, d.z));
+        double k = 1 / sqrt(ax * ax + ay * ay + az * az);
+        dx[i] = ax * k;
+        dy[i] = ay * k;
+        dz[i] = az * k;
+    }
 }

@@ -20,4 +20,8 @@ struct lens lens_of(const struct camera *c);
  * the top.  False: nothing is seen there (outside the circle of a fisheye). */
 bool lens_ray(const struct lens *l, double u, double v, struct ray *ray);
 
+/* The same for n points of a perspective: the directions, all from location. */
+void lens_fan(const struct lens *l, int n, const double *u, const double *v, double *dx,
+              double *dy, double *dz);
+
 #endif

@@ -62,15 +62,47 @@ static struct tile tile_at(const struct gang *g, unsigned long number)
                            least(TILE_HEIGHT, g->o->crop_height - y) };
 }
 
-/* One camera ray: sample s of a pixel of the tile. */
-static void aim(struct worker *w, const struct render_options *o, const struct tile *t,
-                unsigned pixel, unsigned s)
+/* Points of the picture that rays are wanted for. */
+struct aims {
+    int n;
+    uint32_t pixel[BATCH];              /* of the tile */
+    double u[BATCH], v[BATCH];
+};
+
+static void add_aim(struct aims *a, const struct render_options *o, const struct tile *t,
+                    unsigned pixel, unsigned s)
 {
     unsigned side = o->samples_side, x = t->x + pixel % t->width, y = t->y + pixel / t->width;
     double fx = (s % side + 0.5) / side, fy = (s / side + 0.5) / side;
-    double u = (o->crop_x + x + fx) / o->width, v = (o->crop_y + y + fy) / o->height;
-    struct wave_ray r = { .weight = { 1, 1, 1 }, .alpha = 1, .adc = 1, .pixel = pixel,
-                          .inside = w->camera_inside, .mask = RAY_PRIMARY };
+
+    a->pixel[a->n] = pixel;
+    a->u[a->n] = (o->crop_x + x + fx) / o->width;
+    a->v[a->n++] = (o->crop_y + y + fy) / o->height;
+}
+
+static struct wave_ray camera_ray(const struct worker *w, uint32_t pixel)
+{
+    return (struct wave_ray) { .ray.origin = w->lens.location, .weight = { 1, 1, 1 }, .alpha = 1,
+                               .adc = 1, .pixel = pixel, .inside = w->camera_inside,
+                               .mask = RAY_PRIMARY };
+}
+
+static void shoot_fan(struct worker *w, const struct aims *a)
+{
+    double dx[BATCH], dy[BATCH], dz[BATCH];
+
+    lens_fan(&w->lens, a->n, a->u, a->v, dx, dy, dz);
+    for (int i = 0; i < a->n; i++) {
+        struct wave_ray r = camera_ray(w, a->pixel[i]);
+        r.ray.dir = vec(dx[i], dy[i], dz[i]);
+        wave_push(&w->now, &r);
+    }
+    w->counts.primary += a->n;
+}
+
+static void shoot_one(struct worker *w, uint32_t pixel, double u, double v)
+{
+    struct wave_ray r = camera_ray(w, pixel);
 
     if (!lens_ray(&w->lens, u, v, &r.ray)) {
         w->film.sum[pixel][3] += 1;
@@ -82,6 +114,34 @@ static void aim(struct worker *w, const struct render_options *o, const struct t
     wave_push(&w->now, &r);
 }
 
+static void shoot(struct worker *w, struct aims *a)
+{
+    if (w->lens.kind == CAMERA_PERSPECTIVE)
+        shoot_fan(w, a);
+    else
+        for (int i = 0; i < a->n; i++)
+            shoot_one(w, a->pixel[i], a->u[i], a->v[i]);
+    a->n = 0;
+}
+
+/* Samples from s up to end, of all pixels of the tile. */
+static void aim(struct worker *w, const struct render_options *o, const struct tile *t,
+                unsigned s, unsigned end)
+{
+    unsigned n_pixel = t->width * t->height;
+    struct aims a;
+
+    a.n = 0;
+    for (unsigned pixel = 0; pixel < n_pixel; pixel++)
+        for (unsigned k = s; k < end; k++) {
+            add_aim(&a, o, t, pixel, k);
+            if (a.n == BATCH)
+                shoot(w, &a);
+        }
+    if (a.n)
+        shoot(w, &a);
+}
+
 static void trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
 {
     unsigned n_pixel = t->width * t->height, n_sample = o->samples_side * o->samples_side;
@@ -89,10 +149,7 @@ static void trace_tile(struct worker *w, const struct render_options *o, const s
 
     film_start(&w->film, n_pixel);
     for (unsigned s = 0; s < n_sample; s += at_once) {
-        unsigned end = least(s + at_once, n_sample);
-        for (unsigned pixel = 0; pixel < n_pixel; pixel++)
-            for (unsigned k = s; k < end; k++)
-                aim(w, o, t, pixel, k);
+        aim(w, o, t, s, least(s + at_once, n_sample));
         worker_trace(w);
     }
 }
