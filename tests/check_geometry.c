@@ -784,7 +784,7 @@ START_TEST(test_crossings_come_in_order_however_many)
     struct plan *p = plan();
     struct scratch *s = scratch_new(p, &mem);
     struct seen seen = { 0, 0 };
-    geometry_crossings(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, count_in_order,
+    geometry_crossings(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, BARRIER_ANY, count_in_order,
                        &seen);
     ck_assert_int_eq(seen.n, 1000);
     ck_assert(!geometry_blocked(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, 0));

@@ -1,9 +1,9 @@
 /* few.c: the boxes of small scenes, tried for arrays of rays. */
 #include "trace/few.h"
 
-#include "math/kernel.h"
+#include <string.h>
 
-enum { AT_ONCE = 256 };                 /* rays: what the arrays on the stack hold */
+#include "math/kernel.h"
 
 /* Wider than all rounding of the slabs' three operations. */
 static const double rounding = 0x1p-49;
@@ -22,42 +22,66 @@ void few_add(struct few *f, uint32_t item, const struct bounds *box)
     }
 }
 
-KERNEL static void invert(int n, const double *restrict d, double *restrict inverse)
+/* Vectors go between inlined functions only: there is no ABI to break. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/* Eight rays, kept in registers while all boxes pass by. */
+typedef double eight __attribute__((vector_size(64)));
+typedef int64_t mask8 __attribute__((vector_size(64)));
+
+struct octet { eight o[3], inverse[3]; mask8 back[3]; };
+
+INLINE eight load(const double *p)
 {
-    for (int i = 0; i < n; i++)
-        inverse[i] = 1 / d[i];
+    eight v;
+
+    memcpy(&v, p, sizeof v);
+    return v;
 }
 
-struct slab { double low, high; const double *restrict o, *restrict inverse; };
+INLINE eight either(mask8 which, eight a, eight b)
+{
+    return (eight)(((mask8)a & which) | ((mask8)b & ~which));
+}
+
+INLINE struct octet octet_of(const struct rays *r, int i)
+{
+    struct octet q = { .o = { load(r->x + i), load(r->y + i), load(r->z + i) } };
+
+    q.inverse[0] = 1 / load(r->dx + i);
+    q.inverse[1] = 1 / load(r->dy + i);
+    q.inverse[2] = 1 / load(r->dz + i);
+    for (int axis = 0; axis < 3; axis++)
+        q.back[axis] = q.inverse[axis] < 0;
+    return q;
+}
 
 /* A ray in a face's plane gives 0 * infinity: the comparison is then false
  * and keeps what was known before (facts numerics.md 1.6). */
-INLINE void clip(const struct slab *s, int i, double *begin, double *end)
+INLINE mask8 meets_box(const struct octet *q, const struct few *f, int k, eight end)
 {
-    double r = s->inverse[i];
-    double near = ((r < 0 ? s->high : s->low) - s->o[i]) * r;
-    double far = ((r < 0 ? s->low : s->high) - s->o[i]) * r;
+    eight begin = { 0 };
 
-    *begin = near > *begin ? near : *begin;
-    *end = far < *end ? far : *end;
-}
-
-KERNEL static void try_box(int n, struct slab x, struct slab y, struct slab z,
-                           const double *restrict far, uint64_t bit, uint64_t *restrict may)
-{
-    for (int i = 0; i < n; i++) {
-        double begin = 0, end = far[i];
-        clip(&x, i, &begin, &end);
-        clip(&y, i, &begin, &end);
-        clip(&z, i, &begin, &end);
-        may[i] |= begin <= end * (1 + rounding) ? bit : 0;
+    for (int axis = 0; axis < 3; axis++) {
+        eight low = f->side[0][axis][k] - q->o[axis], high = f->side[1][axis][k] - q->o[axis];
+        eight near = either(q->back[axis], high, low) * q->inverse[axis];
+        eight far = either(q->back[axis], low, high) * q->inverse[axis];
+        begin = either(near > begin, near, begin);
+        end = either(far < end, far, end);
     }
+    return begin <= end * (1 + rounding);
 }
 
-static struct slab slab_of(const struct few *f, int k, int axis, const double *o,
-                           const double *inverse)
+INLINE void aim_octet(const struct few *f, const struct rays *r, const double *far, uint64_t always,
+                      int i, uint64_t *may)
 {
-    return (struct slab) { f->side[0][axis][k], f->side[1][axis][k], o, inverse };
+    struct octet q = octet_of(r, i);
+    eight end = far ? load(far + i) : (eight) { 0 } + INFINITY;
+    mask8 bits = (mask8) { 0 } + (int64_t)always;
+
+    for (int k = 0; k < f->n; k++)
+        bits |= meets_box(&q, f, k, end) & ((mask8) { 0 } + ((int64_t)1 << k));
+    memcpy(may + i, &bits, sizeof bits);
 }
 
 static bool is_everywhere(const struct few *f, int k)
@@ -68,34 +92,33 @@ static bool is_everywhere(const struct few *f, int k)
     return true;
 }
 
-static void aim_some(const struct few *f, const struct rays *r, const double *far, uint64_t *may)
+/* The last rays, fewer than eight, are copied to where eight can be read. */
+static void aim_rest(const struct few *f, const struct rays *r, const double *far, uint64_t always,
+                     int i, uint64_t *may)
 {
-    double ix[AT_ONCE], iy[AT_ONCE], iz[AT_ONCE];
-    uint64_t always = 0;
+    double copy[7][8] = { { 0 } };
+    uint64_t bits[8];
+    const struct rays rest = { 8, copy[0], copy[1], copy[2], copy[3], copy[4], copy[5] };
+    size_t size = (size_t)(r->n - i) * sizeof(double);
+    const double *from[] = { r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
-    invert(r->n, r->dx, ix);
-    invert(r->n, r->dy, iy);
-    invert(r->n, r->dz, iz);
-    for (int k = 0; k < f->n; k++)
-        always |= (uint64_t)is_everywhere(f, k) << k;
-    for (int i = 0; i < r->n; i++)
-        may[i] = always;
-    for (int k = 0; k < f->n; k++)
-        if (!(always >> k & 1))
-            try_box(r->n, slab_of(f, k, 0, r->x, ix), slab_of(f, k, 1, r->y, iy),
-                    slab_of(f, k, 2, r->z, iz), far, (uint64_t)1 << k, may);
+    for (int k = 0; k < 6; k++)
+        memcpy(copy[k], from[k] + i, size);
+    if (far)
+        memcpy(copy[6], far + i, size);
+    aim_octet(f, &rest, far ? copy[6] : NULL, always, 0, bits);
+    memcpy(may + i, bits, size);
 }
 
 void few_aim(const struct few *f, const struct rays *r, const double *far, uint64_t *may)
 {
-    double endless[AT_ONCE];
+    uint64_t always = 0;
+    int i = 0;
 
-    for (int i = 0; !far && i < AT_ONCE; i++)
-        endless[i] = INFINITY;
-    for (int at = 0; at < r->n; at += AT_ONCE) {
-        int n = r->n - at < AT_ONCE ? r->n - at : AT_ONCE;
-        struct rays some = { n, r->x + at, r->y + at, r->z + at,
-                             r->dx + at, r->dy + at, r->dz + at };
-        aim_some(f, &some, far ? far + at : endless, may + at);
-    }
+    for (int k = 0; k < f->n; k++)
+        always |= (uint64_t)is_everywhere(f, k) << k;
+    for (; i + 8 <= r->n; i += 8)
+        aim_octet(f, r, far, always, i, may);
+    if (i < r->n)
+        aim_rest(f, r, far, always, i, may);
 }

@@ -418,7 +418,7 @@ static bool few_block(struct search *s, const struct space *space, uint32_t may,
 }
 
 static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *r,
-                           const double *far, uint32_t light, uint8_t *barrier)
+                           const double *far, uint32_t light, uint64_t *barrier)
 {
     const struct space *space = &p->geometry->space[0];
     struct blocker none = { .is_known = false };
@@ -431,20 +431,19 @@ static void blocked_by_few(const struct plan *p, struct scratch *s, const struct
         struct search search = { .plan = p, .s = s, .ray = ray_of(r, i), .instance = NO_INSTANCE,
                                  .mask = RAY_SHADOW, .far = far[i], .best = &by };
         barrier[i] = few_block(&search, space, (uint32_t)(may[i] & space->opaque), last)
-                         ? BARRIER_OPAQUE
-                     : may[i] & space->clear ? BARRIER_MAYBE_CLEAR : BARRIER_NONE;
+                         ? BARRIER_OPAQUE : may[i] & space->clear;
     }
     s->counts.shadow_rays += (unsigned)r->n;
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)space->few->n;
 }
 
 void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
-                           const double *far, uint32_t light, uint8_t *barrier)
+                           const double *far, uint32_t light, uint64_t *barrier)
 {
     if (!p->geometry->space[0].few) {
         for (int i = 0; i < rays->n; i++)
             barrier[i] = geometry_blocked(p, s, ray_of(rays, i), far[i], light) ? BARRIER_OPAQUE
-                         : p->has_transparency ? BARRIER_MAYBE_CLEAR : BARRIER_NONE;
+                         : p->has_transparency ? BARRIER_ANY : 0;
         return;
     }
     for (int at = 0; at < rays->n; at += MANY) {
@@ -546,10 +545,20 @@ static __attribute__((noinline)) void keep_instance(struct search *s, uint32_t n
     s->is_full = in.is_full;
 }
 
+static void search_barrier(struct search *s, const struct space *space, uint64_t barrier)
+{
+    double far = s->far;
+
+    if (space->few && barrier != BARRIER_ANY)
+        visit_crossings(s, space->few->item, (uint32_t)barrier, &far);
+    else
+        search_space(s, space, visit_crossings);
+}
+
 /* When more were found than could be kept, the search is repeated beyond the
  * last one visited. */
 void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
-                        bool (*visit)(void *arg, const struct meeting *m), void *arg)
+                        uint64_t barrier, bool (*visit)(void *arg, const struct meeting *m), void *arg)
 {
     double after_t = 0;
     uint64_t after = 0;
@@ -560,7 +569,7 @@ void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
                                  .mask = RAY_SHADOW, .far = far, .after_t = after_t,
                                  .after = after };
         s->counts.shadow_rays++;
-        search_space(&search, &p->geometry->space[0], visit_crossings);
+        search_barrier(&search, &p->geometry->space[0], barrier);
         for (size_t i = 0; i < search.n_crossing; i++)
             if (!visit(arg, &s->crossing[i]))
                 return;

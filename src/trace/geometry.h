@@ -36,15 +36,17 @@ bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, d
 void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct rays *rays,
                            const uint8_t *mask, struct meeting *out);
 
-/* What stands between the points and a light: an opaque caster, or perhaps
- * some that filter (then geometry_crossings has to be asked). */
-enum barrier { BARRIER_NONE, BARRIER_MAYBE_CLEAR, BARRIER_OPAQUE };
+/* What stands between points and a light: BARRIER_OPAQUE, nothing (0), or
+ * perhaps things that filter light, for geometry_crossings to look at. */
+#define BARRIER_OPAQUE UINT64_MAX
+#define BARRIER_ANY ((uint64_t)1 << 63)     /* nothing is known: look everywhere */
 void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
-                           const double *far, uint32_t light, uint8_t *barrier);
+                           const double *far, uint32_t light, uint64_t *barrier);
 
 /* All meetings with casters that are not opaque, 0 < t < far, nearest first;
- * calls visit for each until it returns false. */
+ * calls visit for each until it returns false.  barrier: as was said, or BARRIER_ANY. */
 void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                        uint64_t barrier,
                         bool (*visit)(void *arg, const struct meeting *m), void *arg);
 
 /* Solids with an interior that contain p: their surfaces, in order of

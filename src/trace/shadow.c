@@ -125,12 +125,13 @@ static struct ray shadow_ray(const struct shadow_query *q, vec3 direction)
     return (struct ray) { vec_fma(q->point, off, q->normal), direction };
 }
 
-static rgb filtered(struct worker *w, const struct shadow_query *q, struct ray ray, double far)
+static rgb filtered(struct worker *w, const struct shadow_query *q, struct ray ray, double far,
+                    uint64_t barrier)
 {
     uint32_t kept = w->insides.n;
     struct passing p = { w, ray, { 1, 1, 1 }, q->inside, 0 };
 
-    geometry_crossings(w->plan, w->scratch, ray, far, pass, &p);
+    geometry_crossings(w->plan, w->scratch, ray, far, barrier, pass, &p);
     w->insides.n = kept;
     return p.light;
 }
@@ -143,7 +144,8 @@ static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction,
         return rgb_of(1, 1, 1);
     if (geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp))
         return rgb_of(0, 0, 0);
-    return w->plan->has_transparency ? filtered(w, q, ray, far * nearly) : rgb_of(1, 1, 1);
+    return w->plan->has_transparency ? filtered(w, q, ray, far * nearly, BARRIER_ANY)
+                                     : rgb_of(1, 1, 1);
 }
 
 /* ---- area lights: a grid of samples, looked at where they differ ---- */
@@ -210,11 +212,6 @@ static rgb area_through(struct worker *w, const struct shadow_query *q, const st
 
 /* ---- many points, one lamp ---- */
 
-struct shadow_rays {
-    double x[BATCH], y[BATCH], z[BATCH], dx[BATCH], dy[BATCH], dz[BATCH], far[BATCH];
-    uint8_t barrier[BATCH];
-};
-
 /* A ray of no length meets nothing. */
 static void add_ray(struct shadow_rays *r, int i, const struct shadow_query *q)
 {
@@ -232,23 +229,23 @@ static void add_ray(struct shadow_rays *r, int i, const struct shadow_query *q)
 static rgb behind(struct worker *w, const struct shadow_rays *r, int i,
                   const struct shadow_query *q)
 {
-    if (r->barrier[i] == BARRIER_NONE)
+    if (r->barrier[i] == 0)
         return rgb_of(1, 1, 1);
     if (r->barrier[i] == BARRIER_OPAQUE)
         return rgb_of(0, 0, 0);
-    return filtered(w, q, shadow_ray(q, q->direction), r->far[i]);
+    return filtered(w, q, shadow_ray(q, q->direction), r->far[i], r->barrier[i]);
 }
 
 static void straight_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)
 {
-    struct shadow_rays r;
+    struct shadow_rays *r = &w->shadow_rays;
+    const struct rays rays = { n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
     for (int i = 0; i < n; i++)
-        add_ray(&r, i, &q[i]);
-    const struct rays rays = { n, r.x, r.y, r.z, r.dx, r.dy, r.dz };
-    geometry_blocked_many(w->plan, w->scratch, &rays, r.far, q->lamp, r.barrier);
+        add_ray(r, i, &q[i]);
+    geometry_blocked_many(w->plan, w->scratch, &rays, r->far, q->lamp, r->barrier);
     for (int i = 0; i < n; i++)
-        through[i] = behind(w, &r, i, &q[i]);
+        through[i] = behind(w, r, i, &q[i]);
 }
 
 void shadow_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)

@@ -19,6 +19,12 @@ struct task {
 /* What arrives of each lamp at the points of a batch, once it is known. */
 struct shadows { bool *known; rgb *through; };      /* [lamp * BATCH + slot] */
 
+/* From the points of a batch to one lamp. */
+struct shadow_rays {
+    double x[BATCH], y[BATCH], z[BATCH], dx[BATCH], dy[BATCH], dz[BATCH], far[BATCH];
+    uint64_t barrier[BATCH];
+};
+
 struct render_counts { double primary, reflected, refracted; };
 
 struct worker {
@@ -37,6 +43,7 @@ struct worker {
     uint32_t *start;                    /* of each group among the sorted tasks */
     int room_hits, room_tasks;
     struct shadows shadows;
+    struct shadow_rays shadow_rays;
     rgb *grid;                          /* an area light's samples; r < 0: not known yet */
     struct mirror_layer *mirror;        /* of the layers of a program */
     int room_mirror;
