@@ -194,7 +194,8 @@ static const struct texture *plain(struct reader *r, const struct texture *from)
             change(r->lang, &i, top);
         } else if (build_transform(r, &i, &move)) {
             for (struct texture *t = (struct texture *)bottom; t; t = (struct texture *)t->above)
-                t->place = transform_compose(&move, &t->place);
+                if (!t->uv_mapping)
+                    t->place = transform_compose(&move, &t->place);
         } else if (i.kind != ITEM_WORD || !item_is(&i, "no_bump_scale"))
             build_unknown(r->lang, &i, "texture", tables);
     }

@@ -36,7 +36,8 @@ const struct field interior_fields[] = {
     FIELD_END,
 };
 
-/* The lowest layer is copied first, so layers keep their order. */
+/* The lowest layer is copied first, so layers keep their order.  One that lives
+ * in (u, v) is not moved from outside of its block. */
 const struct texture *texture_move(struct arena *mem, const struct texture *layers,
                                    const struct transform *t)
 {
@@ -46,7 +47,8 @@ const struct texture *texture_move(struct arena *mem, const struct texture *laye
         return layers;
     for (const struct texture *from = layers; from; from = from->above) {
         struct texture *copy = arena_copy(mem, from, sizeof *from);
-        copy->place = transform_compose(t, &from->place);
+        if (!from->uv_mapping)
+            copy->place = transform_compose(t, &from->place);
         *link = copy;
         link = &copy->above;
     }
