@@ -423,6 +423,9 @@ static void mirror_coat(const struct worker *w, const struct batch *b, const str
         float most = fmaxf(rgb_max(g->mirror.low), rgb_max(g->mirror.high));
         if (g->mirror.metallic != 0)
             share = rgb_mul(share, metal_tint(g->mirror.metallic, cosine, colour_at(&c->colour, i)));
+        if (g->irid != 0)
+            share = rgb_mul(share, film_tint(g, w->plan->scene->settings.irid_wavelength,
+                                             2 * fabsf(cosine)));
         if (g->mirror.fresnel)
             most = rgb_max(share);
         share = rgb_scale(share, alive[i]);
