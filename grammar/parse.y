@@ -10,7 +10,7 @@ struct token_word { struct name *name; const struct word *word; };
 struct token_text { const char *text; size_t size; };
 
 #define YYLTYPE struct loc
-#define YYMAXDEPTH 200000
+#define YYMAXDEPTH 30000
 #define YYLLOC_DEFAULT(Current, Rhs, N) \
     ((Current) = (N) ? loc_join(YYRHSLOC(Rhs, 1), YYRHSLOC(Rhs, N)) : \
      (struct loc) { YYRHSLOC(Rhs, 0).source, YYRHSLOC(Rhs, 0).end, YYRHSLOC(Rhs, 0).end })

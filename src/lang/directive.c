@@ -105,7 +105,9 @@ static bool may_declare(struct lang *l, const struct ast *list)
 {
     const struct ast *a = list->first;
 
-    if (ast_is_value(a) && a->flags & AST_HAS_CALL && has_splice(a))
+    if ((a->kind == AST_BINARY && !strchr("+-*/", a->op)) || a->kind == AST_CONDITION)
+        diag_error(l->diag, a->at, "a comparison, '&', '|' or '?' needs parentheses around it here");
+    else if (ast_is_value(a) && a->flags & AST_HAS_CALL && has_splice(a))
         diag_error(l->diag, a->at, "a directive in this expression needs parentheses around both");
     else if (a->kind == AST_WORD && a->word->class == WORD_COLOUR && a->next
              && a->next->kind == AST_CALL && is_macro(a->next->name))

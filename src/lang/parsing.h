@@ -45,6 +45,7 @@ struct parse {
     struct ast *unclosed;       /* messages about directives without #end */
     struct loc declaring;       /* behind #declare, up to its '=' */
     unsigned declaring_at;      /* n_open there */
+    unsigned value_at;          /* n_open + 1 in a declaration's value, else 0 */
     struct ast *root;
 };
 
