@@ -166,15 +166,26 @@ static void change_palette(colour *palette, unsigned n, const struct image_palet
 static void fill_indexed(struct lang *l, struct image *to, const struct bitmap *b, struct curve c,
                          const struct image_palette *change, size_t n_change)
 {
-    colour *palette = arena_array(l->mem, b->n_palette + 1u, sizeof *palette);
-    size_t n = (size_t)b->width * b->height;
+    colour *palette = arena_array(l->scene_mem, 256, sizeof *palette);
 
-    for (unsigned i = 0; i < b->n_palette; i++)
+    for (unsigned i = 0; i < b->n_palette && i < 256; i++)
         palette[i] = decode_entry(b, c, &l->scene->settings, i);
     for (size_t i = 0; i < n_change; i++)
         change_palette(palette, b->n_palette, &change[i]);
-    for (size_t i = 0; i < n; i++)
-        to->pixel[i] = palette[b->index[i] < b->n_palette ? b->index[i] : 0];
+    for (unsigned i = b->n_palette; i < 256; i++)       /* a bad index shows the first colour */
+        palette[i] = palette[0];
+    to->palette = palette;
+    to->index = arena_copy(l->scene_mem, b->index, (size_t)b->width * b->height);
+}
+
+static void fill_bytes(struct lang *l, struct image *to, const struct bitmap *b, struct curve c)
+{
+    float *level = arena_array(l->scene_mem, 256, sizeof *level);
+
+    for (unsigned i = 0; i < 256; i++)
+        level[i] = decode(c, &l->scene->settings, (float)i / 255.0f);
+    to->level = level;
+    to->bytes = arena_copy(l->scene_mem, b->pixel8, (size_t)b->width * b->height * 3);
 }
 
 static void fill_direct(struct lang *l, struct image *to, const struct bitmap *b, struct curve c,
@@ -182,6 +193,7 @@ static void fill_direct(struct lang *l, struct image *to, const struct bitmap *b
 {
     float filter = 0, transmit = 0;
 
+    to->pixel = arena_array(l->scene_mem, (size_t)b->width * b->height, sizeof *to->pixel);
     for (size_t i = 0; i < n_change; i++) {
         if (change[i].filter >= 0)
             filter = change[i].filter;
@@ -201,8 +213,10 @@ static void note_transparency(struct image *i)
 {
     size_t n = (size_t)i->width * i->height;
 
-    for (size_t k = 0; k < n && !i->has_transparency; k++)
-        i->has_transparency = i->pixel[k].f != 0 || i->pixel[k].t != 0;
+    for (size_t k = 0; !i->bytes && k < n && !i->has_transparency; k++) {
+        colour c = image_pixel(i, k);
+        i->has_transparency = c.f != 0 || c.t != 0;
+    }
 }
 
 static const struct image *convert(struct lang *l, struct loc at, const struct bitmap *b,
@@ -215,12 +229,13 @@ static const struct image *convert(struct lang *l, struct loc at, const struct b
 
     to->width = b->width;
     to->height = b->height;
-    to->pixel = arena_array(l->scene_mem, (size_t)b->width * b->height, sizeof *to->pixel);
     for (size_t i = 0; i < n_change; i++)
         if (!indexed && change[i].entry >= 0)
             diag_error(l->diag, at, "filter and transmit of one palette colour: the picture has no palette");
     if (indexed)
         fill_indexed(l, to, b, c, change, n_change);
+    else if (b->pixel8 && b->channels == 3 && n_change == 0)
+        fill_bytes(l, to, b, c);
     else
         fill_direct(l, to, b, c, premultiplied, change, n_change);
     note_transparency(to);

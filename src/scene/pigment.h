@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/field.h"
 #include "math/mat.h"
@@ -13,9 +14,23 @@
 /* Pixels ready for use: in the scene's working space, alpha as transmit. */
 struct image {
     unsigned width, height;
-    colour *pixel;                      /* top row first */
+    colour *pixel;                      /* top row first; or instead, for small files in memory: */
+    const uint8_t *index;               /* ... each pixel's place in the palette */
+    const colour *palette;
+    const uint8_t *bytes;               /* ... red, green, blue, and what a byte stands for */
+    const float *level;
     bool has_transparency;              /* some pixel's filter or transmit is not 0 */
 };
+
+static inline colour image_pixel(const struct image *m, size_t i)
+{
+    if (m->pixel)
+        return m->pixel[i];
+    if (m->index)
+        return m->palette[m->index[i]];
+    const uint8_t *p = m->bytes + 3 * i;
+    return (colour) { m->level[p[0]], m->level[p[1]], m->level[p[2]], 0, 0 };
+}
 
 enum wave_type { WAVE_RAMP, WAVE_TRIANGLE, WAVE_SINE, WAVE_SCALLOP, WAVE_CUBIC, WAVE_POLY };
 

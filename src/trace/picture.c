@@ -75,8 +75,8 @@ static int neighbour(int i, int size, bool once)
 static colour pixel(const struct image_use *use, int x, int y)
 {
     const struct image *m = use->image;
-    colour c = m->pixel[(size_t)neighbour(y, (int)m->height, use->once) * m->width
-                        + (size_t)neighbour(x, (int)m->width, use->once)];
+    colour c = image_pixel(m, (size_t)neighbour(y, (int)m->height, use->once) * m->width
+                              + (size_t)neighbour(x, (int)m->width, use->once));
 
     c.f += (float)use->filter_all;
     c.t += (float)use->transmit_all;
