@@ -32,6 +32,10 @@ const struct gauge *gauge_new(struct arena *mem, const struct chain *chain,
     g->chain = *chain;
     g->chain.has_turbulence &= !(use->ops && use->ops->keeps_point);
     g->use = *use;
+    /* This build's own row: the engine is compiled for several instruction sets. */
+    const struct pattern_ops *own = use->ops ? pattern_find(use->ops->name) : NULL;
+    if (own)
+        g->use.ops = own;
     g->key = key;
     g->n_key = (int)n_entry;
     return g;
