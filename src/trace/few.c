@@ -25,28 +25,35 @@ void few_add(struct few *f, uint32_t item, const struct bounds *box)
 /* Vectors go between inlined functions only: there is no ABI to break. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-/* Eight rays, kept in registers while all boxes pass by. */
-typedef double eight __attribute__((vector_size(64)));
-typedef int64_t mask8 __attribute__((vector_size(64)));
+/* As many rays as a register holds, kept there while all boxes pass by. */
+#if defined(__AVX512F__)
+enum { SIDE_BY_SIDE = 8 };
+#elif defined(__AVX__)
+enum { SIDE_BY_SIDE = 4 };
+#else
+enum { SIDE_BY_SIDE = 2 };
+#endif
+typedef double many __attribute__((vector_size(SIDE_BY_SIDE * sizeof(double))));
+typedef int64_t many_bits __attribute__((vector_size(SIDE_BY_SIDE * sizeof(int64_t))));
 
-struct octet { eight o[3], inverse[3]; mask8 back[3]; };
+struct bundle { many o[3], inverse[3]; many_bits back[3]; };
 
-INLINE eight load(const double *p)
+INLINE many load(const double *p)
 {
-    eight v;
+    many v;
 
     memcpy(&v, p, sizeof v);
     return v;
 }
 
-INLINE eight either(mask8 which, eight a, eight b)
+INLINE many either(many_bits which, many a, many b)
 {
-    return (eight)(((mask8)a & which) | ((mask8)b & ~which));
+    return (many)(((many_bits)a & which) | ((many_bits)b & ~which));
 }
 
-INLINE struct octet octet_of(const struct rays *r, int i)
+INLINE struct bundle bundle_of(const struct rays *r, int i)
 {
-    struct octet q = { .o = { load(r->x + i), load(r->y + i), load(r->z + i) } };
+    struct bundle q = { .o = { load(r->x + i), load(r->y + i), load(r->z + i) } };
 
     q.inverse[0] = 1 / load(r->dx + i);
     q.inverse[1] = 1 / load(r->dy + i);
@@ -58,29 +65,29 @@ INLINE struct octet octet_of(const struct rays *r, int i)
 
 /* A ray in a face's plane gives 0 * infinity: the comparison is then false
  * and keeps what was known before (facts numerics.md 1.6). */
-INLINE mask8 meets_box(const struct octet *q, const struct few *f, int k, eight end)
+INLINE many_bits meets_box(const struct bundle *q, const struct few *f, int k, many end)
 {
-    eight begin = { 0 };
+    many begin = { 0 };
 
     for (int axis = 0; axis < 3; axis++) {
-        eight low = f->side[0][axis][k] - q->o[axis], high = f->side[1][axis][k] - q->o[axis];
-        eight near = either(q->back[axis], high, low) * q->inverse[axis];
-        eight far = either(q->back[axis], low, high) * q->inverse[axis];
+        many low = f->side[0][axis][k] - q->o[axis], high = f->side[1][axis][k] - q->o[axis];
+        many near = either(q->back[axis], high, low) * q->inverse[axis];
+        many far = either(q->back[axis], low, high) * q->inverse[axis];
         begin = either(near > begin, near, begin);
         end = either(far < end, far, end);
     }
     return begin <= end * (1 + rounding);
 }
 
-INLINE void aim_octet(const struct few *f, const struct rays *r, const double *far, uint64_t always,
+INLINE void aim_bundle(const struct few *f, const struct rays *r, const double *far, uint64_t always,
                       int i, uint64_t *may)
 {
-    struct octet q = octet_of(r, i);
-    eight end = far ? load(far + i) : (eight) { 0 } + INFINITY;
-    mask8 bits = (mask8) { 0 } + (int64_t)always;
+    struct bundle q = bundle_of(r, i);
+    many end = far ? load(far + i) : (many) { 0 } + INFINITY;
+    many_bits bits = (many_bits) { 0 } + (int64_t)always;
 
     for (int k = 0; k < f->n; k++)
-        bits |= meets_box(&q, f, k, end) & ((mask8) { 0 } + ((int64_t)1 << k));
+        bits |= meets_box(&q, f, k, end) & ((many_bits) { 0 } + ((int64_t)1 << k));
     memcpy(may + i, &bits, sizeof bits);
 }
 
@@ -92,13 +99,13 @@ static bool is_everywhere(const struct few *f, int k)
     return true;
 }
 
-/* The last rays, fewer than eight, are copied to where eight can be read. */
+/* The last rays, too few for a register, are copied to where one can be read. */
 static void aim_rest(const struct few *f, const struct rays *r, const double *far, uint64_t always,
                      int i, uint64_t *may)
 {
-    double copy[7][8] = { { 0 } };
-    uint64_t bits[8];
-    const struct rays rest = { 8, copy[0], copy[1], copy[2], copy[3], copy[4], copy[5] };
+    double copy[7][SIDE_BY_SIDE] = { { 0 } };
+    uint64_t bits[SIDE_BY_SIDE];
+    const struct rays rest = { SIDE_BY_SIDE, copy[0], copy[1], copy[2], copy[3], copy[4], copy[5] };
     size_t size = (size_t)(r->n - i) * sizeof(double);
     const double *from[] = { r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
@@ -106,7 +113,7 @@ static void aim_rest(const struct few *f, const struct rays *r, const double *fa
         memcpy(copy[k], from[k] + i, size);
     if (far)
         memcpy(copy[6], far + i, size);
-    aim_octet(f, &rest, far ? copy[6] : NULL, always, 0, bits);
+    aim_bundle(f, &rest, far ? copy[6] : NULL, always, 0, bits);
     memcpy(may + i, bits, size);
 }
 
@@ -117,8 +124,8 @@ void few_aim(const struct few *f, const struct rays *r, const double *far, uint6
 
     for (int k = 0; k < f->n; k++)
         always |= (uint64_t)is_everywhere(f, k) << k;
-    for (; i + 8 <= r->n; i += 8)
-        aim_octet(f, r, far, always, i, may);
+    for (; i + SIDE_BY_SIDE <= r->n; i += SIDE_BY_SIDE)
+        aim_bundle(f, r, far, always, i, may);
     if (i < r->n)
         aim_rest(f, r, far, always, i, may);
 }

@@ -1,7 +1,7 @@
 /* few.h: small scenes, whose boxes are all tried at once for arrays of rays.
  *
  * A tree pays for itself from some thirty things on; below, a plain loop over
- * their boxes, eight rays an instruction, says for each ray what it may meet. */
+ * their boxes, a register of rays at a time, says for each ray what it may meet. */
 #ifndef RTC_FEW_H
 #define RTC_FEW_H
 
