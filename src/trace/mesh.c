@@ -155,12 +155,22 @@ INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, doubl
     return false;
 }
 
+/* So few faces are sooner tried than a ray is prepared for their tree. */
+enum { FEW_FACES = 6 };
+
+INLINE bool is_tiny(const struct mesh_tree *t) { return t->tree.n_item <= FEW_FACES; }
+
+INLINE uint32_t all_faces(const struct mesh_tree *t) { return (1u << t->tree.n_item) - 1; }
+
 bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double far,
                   struct hit *out, unsigned long long *box_tests)
 {
     struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, 1 };
 
-    bvh_walk(&t->tree, ray, near, far, visit_nearest, &s, box_tests);
+    if (is_tiny(t))
+        visit_nearest(&s, t->tree.item, all_faces(t), &far);
+    else
+        bvh_walk(&t->tree, ray, near, far, visit_nearest, &s, box_tests);
     return s.n > 0;
 }
 
@@ -199,7 +209,10 @@ int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far
 {
     struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, room };
 
-    bvh_walk(&t->tree, ray, near, far, visit_all, &s, box_tests);
+    if (is_tiny(t))
+        visit_all(&s, t->tree.item, all_faces(t), &far);
+    else
+        bvh_walk(&t->tree, ray, near, far, visit_all, &s, box_tests);
     return s.n;
 }
 

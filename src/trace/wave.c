@@ -26,28 +26,6 @@ void wave_reserve(struct wave *w, int room)
 #undef C
 }
 
-void wave_push(struct wave *w, const struct wave_ray *r)
-{
-    int i = w->n++;
-
-    wave_reserve(w, w->n);
-    w->x[i] = r->ray.origin.x;
-    w->y[i] = r->ray.origin.y;
-    w->z[i] = r->ray.origin.z;
-    w->dx[i] = r->ray.dir.x;
-    w->dy[i] = r->ray.dir.y;
-    w->dz[i] = r->ray.dir.z;
-    w->red[i] = r->weight.r;
-    w->green[i] = r->weight.g;
-    w->blue[i] = r->weight.b;
-    w->alpha[i] = r->alpha;
-    w->adc[i] = r->adc;
-    w->pixel[i] = r->pixel;
-    w->inside[i] = r->inside;
-    w->depth[i] = r->depth;
-    w->mask[i] = r->mask;
-}
-
 void wave_release(struct wave *w)
 {
 #define C(type, name) free(w->name);
