@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "trace/wide.h"
 #include "trace/world.h"
 
 enum { PARTS_A_LEAF = 2, MOST_MESH_HITS = 1 << 14 };
@@ -35,12 +36,101 @@ static int most_hits(const struct leaf *l)
     return faces < MOST_MESH_HITS ? (int)faces : MOST_MESH_HITS;
 }
 
+/* --- boxes of few parts ---------------------------------------------------- */
+
+/* As many boxes at once as a register holds against one ray; cheaper than
+ * aiming at a tree. */
+enum { MOST_BOXES = 32 };
+
+struct batch { wide side[2][3]; };      /* low and high, padded */
+
+struct part_boxes {
+    size_t n;                           /* batches */
+    struct batch *batch;
+    uint32_t part[MOST_BOXES];
+};
+
+/* Wider than all rounding of the slabs' three operations. */
+static const double rounding = 0x1p-49;
+
+/* A ray in a face's plane gives 0 * infinity, which changes nothing. */
+INLINE void batch_clip(const struct batch *b, int axis, double origin, double inverse,
+                       wide *begin, wide *end)
+{
+    bool down = inverse < 0;
+
+    *begin = wide_max((b->side[down][axis] - origin) * inverse, *begin);
+    *end = wide_min((b->side[!down][axis] - origin) * inverse, *end);
+}
+
+/* Bit k: the ray meets box k between 0 and far. */
+static uint32_t boxes_met(const struct part_boxes *b, struct ray ray, double far)
+{
+    vec3 inverse = vec(1 / ray.dir.x, 1 / ray.dir.y, 1 / ray.dir.z);
+    uint32_t bits = 0;
+
+    for (size_t i = 0; i < b->n; i++) {
+        wide begin = wide_of(0), end = wide_of(far);
+        batch_clip(&b->batch[i], 0, ray.origin.x, inverse.x, &begin, &end);
+        batch_clip(&b->batch[i], 1, ray.origin.y, inverse.y, &begin, &end);
+        batch_clip(&b->batch[i], 2, ray.origin.z, inverse.z, &begin, &end);
+        bits |= wide_not_above(begin, end * (1 + rounding)) << (i * WIDE);
+    }
+    return bits;
+}
+
+static void set_box(struct batch *o, size_t at, struct bounds b)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double low = vec_get(b.low, axis), high = vec_get(b.high, axis);
+        double pad = rounding * fmax(fabs(low), fabs(high));
+        o->side[0][axis][at] = low - pad;
+        o->side[1][axis][at] = high + pad;
+    }
+}
+
+/* Of a difference or an intersection, solids that the whole lies in. */
+static bool is_required(const struct csg *c, const struct csg_part *part)
+{
+    if (!part->alternates || part->is_asked || c->leaf[part->leaf].inverse)
+        return false;
+    for (uint32_t at = part->parent; at != NO_LEAF; at = c->node[at].parent)
+        if (c->node[at].kind != CSG_INTERSECTION)
+            return false;
+    return true;
+}
+
 struct finite { const struct csg *csg; const uint32_t *part; };
 
 static struct bounds part_bounds(const void *of, size_t i)
 {
     const struct finite *f = of;
     return leaf_bounds(&f->csg->leaf[f->csg->part[f->part[i]].leaf]);
+}
+
+/* No ray meets the boxes that are left over, which are inside out. */
+static void make_boxes(struct csg *c, const struct finite *f, size_t n, struct arena *mem)
+{
+    struct part_boxes *b = arena_alloc(mem, sizeof *b);
+    const struct bounds nowhere = { { 1, 1, 1 }, { -1, -1, -1 } };
+
+    b->n = (n + WIDE - 1) / WIDE;
+    b->batch = arena_alloc_aligned(mem, (b->n + 1) * sizeof *b->batch, sizeof(wide));
+    for (size_t i = 0; i < b->n * WIDE; i++)
+        set_box(&b->batch[i / WIDE], i % WIDE,
+                i < n ? part_bounds(f, i) : nowhere);
+    for (size_t i = 0; i < n; i++) {
+        b->part[i] = f->part[i];
+        c->required |= (uint32_t)is_required(c, &c->part[f->part[i]]) << i;
+    }
+    c->boxes = b;
+}
+
+static void make_tree(struct csg *c, const struct finite *f, size_t n, struct arena *mem)
+{
+    bvh_build(&c->tree, n, part_bounds, f, PARTS_A_LEAF, 1, mem);
+    for (size_t i = 0; i < n; i++)
+        c->tree.item[i] = f->part[c->tree.item[i]];
 }
 
 void csg_finish(struct csg *c, struct arena *mem)
@@ -60,9 +150,7 @@ void csg_finish(struct csg *c, struct arena *mem)
         else
             finite[n++] = i;
     }
-    bvh_build(&c->tree, n, part_bounds, &(struct finite) { c, finite }, PARTS_A_LEAF, 1, mem);
-    for (size_t i = 0; i < n; i++)
-        c->tree.item[i] = finite[c->tree.item[i]];
+    (n <= MOST_BOXES ? make_boxes : make_tree)(c, &(struct finite) { c, finite }, n, mem);
 }
 
 void csg_scratch_init(struct csg_scratch *s, const struct csg c[], size_t n, struct arena *mem)
@@ -115,7 +203,7 @@ static bool begins_inside(const struct leaf *l, struct ray ray, int n_hits)
     return l->ops->starts_inside && l->ops->starts_inside(l->shape, ray.dir);
 }
 
-static void cut(struct sweep *w, uint32_t number)
+static int cut(struct sweep *w, uint32_t number)
 {
     const struct csg_part *part = &w->csg->part[number];
     const struct leaf *l = &w->csg->leaf[part->leaf];
@@ -131,6 +219,7 @@ static void cut(struct sweep *w, uint32_t number)
         uint32_t order = (uint32_t)w->s->n_event++;
         w->s->event[order] = (struct csg_event) { w->s->hits[i], number, order, inside };
     }
+    return n;
 }
 
 INLINE bool visit_part(void *arg, const uint32_t item[], uint32_t bits, double *far)
@@ -303,20 +392,50 @@ static const struct csg_event *winner(const struct sweep *w, size_t first, size_
     return best;
 }
 
-static void gather(struct sweep *w)
+/* False: a required part is missed, and so nothing is seen. */
+static bool cut_required(struct sweep *w, uint32_t bits)
+{
+    for (; bits; bits &= bits - 1)
+        if (cut(w, w->csg->boxes->part[__builtin_ctz(bits)]) == 0)
+            return false;
+    return true;
+}
+
+static void cut_others(struct sweep *w, uint32_t bits)
+{
+    const struct csg *c = w->csg;
+
+    for (size_t i = 0; i < c->n_infinite; i++)
+        cut(w, c->infinite[i]);
+    if (!c->boxes)
+        bvh_walk(&c->tree, w->ray, 0, w->far, visit_part, w, w->s->box_tests);
+    for (; bits; bits &= bits - 1)
+        cut(w, c->boxes->part[__builtin_ctz(bits)]);
+}
+
+/* False: nothing is seen. */
+static bool gather(struct sweep *w)
 {
     const struct csg *c = w->csg;
     struct csg_scratch *s = w->s;
+    uint32_t near = 0;
 
     s->n_event = 0;
+    if (c->boxes) {
+        near = boxes_met(c->boxes, w->ray, w->far);
+        *s->box_tests += c->boxes->n * WIDE;
+        if (c->required & ~near)
+            return false;
+    }
     memcpy(s->count, c->at_rest, c->n_node * sizeof *s->count);
     for (size_t i = 0; i < c->n_asked; i++)
         s->asked_inside[c->asked[i]] = false;
-    for (size_t i = 0; i < c->n_infinite; i++)
-        cut(w, c->infinite[i]);
-    bvh_walk(&c->tree, w->ray, 0, w->far, visit_part, w, s->box_tests);
+    if (!cut_required(w, c->required))
+        return false;
+    cut_others(w, near & ~c->required);
     memcpy(s->before, s->count, c->n_node * sizeof *s->count);
     sort_events(s->event, s->n_event);
+    return true;
 }
 
 bool csg_sweep(const struct csg *c, struct csg_scratch *s, struct ray ray, double far,
@@ -325,7 +444,8 @@ bool csg_sweep(const struct csg *c, struct csg_scratch *s, struct ray ray, doubl
     double length = vec_largest(ray.dir);
     struct sweep w = { c, s, ray, vec_largest(ray.origin) / length, far };
 
-    gather(&w);
+    if (!gather(&w))
+        return false;
     for (size_t first = 0, end; first < s->n_event; first = end) {
         double t = s->event[first].hit.t;
         if (t >= far)

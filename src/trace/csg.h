@@ -42,7 +42,9 @@ struct csg {
                                         /* infinite and asked ones not counted */
     uint32_t *infinite, *asked;         /* parts */
     size_t n_infinite, n_asked;
-    struct bvh tree;                    /* over the finite parts */
+    struct part_boxes *boxes;           /* of the finite parts, if they are few; else NULL, and */
+    struct bvh tree;                    /* over them */
+    uint32_t required;                  /* bits of boxes: nothing is seen on lines that miss one */
     size_t most_events;
     uint32_t surface_leaf;              /* whose surface stands for the whole */
     uint8_t mask;
