@@ -467,7 +467,7 @@ START_TEST(test_instances_may_differ_in_their_texture)
         struct surface_point at;
         if (!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m))
             continue;
-        geometry_point(p, ray, &m, &at);
+        geometry_point(p, &ray, &m, &at);
         ck_assert_int_eq((int)p->surface[at.surface].texture->pigment->colour.r, (int)m.instance);
     }
 }
@@ -515,7 +515,7 @@ START_TEST(test_a_mesh_is_met_where_asking_every_face_meets_it)
             t = SHAPE("triangle", c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y,
                       c[2].z);
             struct hit h;
-            if (t->ops->nearest(t->shape, r, 0, best, &h))
+            if (t->ops->nearest(t->shape, &r, 0, best, &h))
                 best = h.t;
         }
         ck_assert_int_eq(geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m), best < INFINITY);
@@ -594,7 +594,7 @@ START_TEST(test_csg_normals_point_out_of_the_solid)
             struct surface_point at;
             if (!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m))
                 continue;
-            geometry_point(p, ray, &m, &at);
+            geometry_point(p, &ray, &m, &at);
             bool enters = object_inside(o, ray_at(ray, m.t + step));
             ck_assert_int_eq(vec_dot(at.normal, ray.dir) < 0, enters);
         }
@@ -704,7 +704,7 @@ static int crossings_of(struct object *o, struct ray ray)
     struct scratch *scratch = scratch_new(p, &mem);
     while (geometry_nearest(p, scratch, ray, INFINITY, RAY_PRIMARY, &m)) {
         struct surface_point at;
-        geometry_point(p, ray, &m, &at);
+        geometry_point(p, &ray, &m, &at);
         double side = vec_dot(at.normal, ray.dir) > 0 ? 1 : -1;
         ray.origin = vec_fma(at.point, side * at.slack, at.normal);
         n++;

@@ -163,7 +163,7 @@ START_TEST(test_nearest_is_the_first_hit_within_limits)
             while (k < n && !(h[k].t > near))
                 k++;
             bool is_there = k < n && h[k].t < far;
-            ck_assert_int_eq(ops->nearest(self, ray, near, far, &found), is_there);
+            ck_assert_int_eq(ops->nearest(self, &ray, near, far, &found), is_there);
             if (is_there)
                 ck_assert(found.t == h[k].t && found.slack == h[k].slack
                           && found.part == h[k].part && found.u == h[k].u && found.v == h[k].v);
@@ -671,11 +671,11 @@ START_TEST(test_slack_is_enough_to_leave_a_surface)
             if (vec_dot(out, n) < 0)
                 out = vec_neg(out);
             struct ray away = { vec_fma(p, h[0].slack, n), out };
-            ck_assert(!ops->nearest(self, away, 0, INFINITY, &g));
+            ck_assert(!ops->nearest(self, &away, 0, INFINITY, &g));
             if (ops->is_infinite)
                 continue;
             struct ray into = { vec_fma(p, -h[0].slack, n), vec_neg(out) };
-            ck_assert(ops->nearest(self, into, 0, INFINITY, &g)
+            ck_assert(ops->nearest(self, &into, 0, INFINITY, &g)
                       || !ops->inside(self, into.origin));     /* out again: an edge is near */
         }
     }

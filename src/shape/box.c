@@ -85,8 +85,11 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return span_hits(cut, self, ((const struct box *)self)->size, ray, out);
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
+
     return span_nearest(cut, self, ((const struct box *)self)->size, ray, near, far, out);
 }
 

@@ -43,8 +43,11 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return frustum_hits(of(self), ray, out);
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
+
     return frustum_nearest(of(self), ray, near, far, out);
 }
 

@@ -65,8 +65,10 @@ INLINE bool cross(const struct disc *s, struct ray ray, double *out)
     return rr <= s->r * s->r && rr >= s->h * s->h && fabs(*out) < INFINITY;
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
     const struct disc *s = self;
     double t;
 
@@ -78,7 +80,7 @@ static bool nearest(const void *self, struct ray ray, double near, double far, s
 
 static int hits(const void *self, struct ray ray, struct hit out[])
 {
-    return nearest(self, ray, -INFINITY, INFINITY, out);
+    return nearest(self, &ray, -INFINITY, INFINITY, out);
 }
 
 /* All behind the disc, whatever its radius (facts shading.md 7.2). */

@@ -49,8 +49,10 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return 1;
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
     const struct plane *s = self;
     double t;
 

@@ -66,8 +66,10 @@ struct shape_ops {
     vec2 (*uv)(const void *self, vec3 p, const struct hit *h);       /* NULL: (x, y) of the world */
 
     /* The nearest crossing with near < t < far: what hits() would say, found
-     * faster.  NULL: the caller uses hits(). */
-    bool (*nearest)(const void *self, struct ray ray, double near, double far, struct hit *out);
+     * faster; the ray by address, since a copy of a struct just written stalls.
+     * NULL: the caller uses hits(). */
+    bool (*nearest)(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out);
 };
 
 extern const struct shape_ops *const shapes[];      /* NULL ends */

@@ -98,8 +98,11 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return span_hits(cut, self, ((const struct sphere *)self)->radius, ray, out);
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
+
     return span_nearest(cut, self, ((const struct sphere *)self)->radius, ray, near, far, out);
 }
 

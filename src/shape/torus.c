@@ -286,8 +286,10 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return n;
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
     const struct torus *s = self;
     double t;
 

@@ -79,8 +79,10 @@ static struct bounds bounds(const void *self)
     return b;
 }
 
-static bool nearest(const void *self, struct ray ray, double near, double far, struct hit *out)
+static bool nearest(const void *self, const struct ray *along, double near, double far,
+                    struct hit *out)
 {
+    struct ray ray = *along;
     const struct triangle *s = self;
     struct triangle_ray r = triangle_ray(ray);
     struct triangle_hit h;
@@ -95,7 +97,7 @@ static bool nearest(const void *self, struct ray ray, double near, double far, s
 
 static int hits(const void *self, struct ray ray, struct hit out[])
 {
-    return nearest(self, ray, -INFINITY, INFINITY, out);
+    return nearest(self, &ray, -INFINITY, INFINITY, out);
 }
 
 static vec3 normal(const void *self, vec3 p, const struct hit *h)

@@ -86,16 +86,25 @@ static bool nearest_by_hits(const struct leaf *l, struct ray ray, double near, d
     return false;
 }
 
-INLINE bool leaf_nearest(const struct leaf *l, struct scratch *s, struct ray ray, double near,
-                         double far, struct hit *out)
+/* Rays go by address: copying a struct that was just written stalls. */
+INLINE bool shape_nearest(const struct leaf *l, struct scratch *s, const struct ray *ray,
+                          double near, double far, struct hit *out)
+{
+    if (LIKELY(l->ops != NULL && l->ops->nearest != NULL))
+        return l->ops->nearest(l->shape, ray, near, far, out);
+    if (!l->ops)
+        return mesh_nearest(l->mesh, *ray, near, far, out, &s->counts.box_tests);
+    return nearest_by_hits(l, *ray, near, far, out);
+}
+
+INLINE bool leaf_nearest(const struct leaf *l, struct scratch *s, const struct ray *ray,
+                         double near, double far, struct hit *out)
 {
     s->counts.leaf_tests++;
-    ray = leaf_ray(l, ray);
-    if (UNLIKELY(!l->ops))
-        return mesh_nearest(l->mesh, ray, near, far, out, &s->counts.box_tests);
-    if (LIKELY(l->ops->nearest != NULL))
-        return l->ops->nearest(l->shape, ray, near, far, out);
-    return nearest_by_hits(l, ray, near, far, out);
+    if (!l->placement)
+        return shape_nearest(l, s, ray, near, far, out);
+    struct ray inner = placed_ray(&l->placement->place, *ray);
+    return shape_nearest(l, s, &inner, near, far, out);
 }
 
 /* --- one search through a space and the instances in it -------------------- */
@@ -192,7 +201,7 @@ INLINE void meet_leaf(struct search *s, uint32_t number)
     const struct leaf *l = &s->plan->leaf[number];
     struct hit h;
 
-    if ((l->mask & s->mask) && leaf_nearest(l, s->s, s->ray, 0, s->far, &h)
+    if ((l->mask & s->mask) && leaf_nearest(l, s->s, &s->ray, 0, s->far, &h)
         && is_better(s, h.t, number))
         take(s, &h, number, l->inverse);
 }
@@ -281,7 +290,7 @@ INLINE bool blocks_leaf(struct search *s, uint32_t number)
     struct hit h;
 
     return (l->mask & RAY_SHADOW) && is_opaque(s, l)
-           && leaf_nearest(l, s->s, s->ray, 0, s->far, &h);
+           && leaf_nearest(l, s->s, &s->ray, 0, s->far, &h);
 }
 
 static bool blocks_instance(struct search *s, uint32_t number);
@@ -370,14 +379,21 @@ static void nearest_of_few(const struct plan *p, struct scratch *s, const struct
                            const uint8_t *mask, struct meeting *out)
 {
     const struct few *few = p->geometry->space[0].few;
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
     uint64_t may[MANY];
 
     few_aim(few, r, NULL, may);
     for (int i = 0; i < r->n; i++) {
-        struct search search = { .plan = p, .s = s, .ray = ray_of(r, i), .instance = NO_INSTANCE,
-                                 .mask = mask[i], .far = INFINITY, .best = &out[i] };
         double far;
-        out[i] = (struct meeting) { .t = INFINITY, .leaf = NO_LEAF, .instance = NO_INSTANCE };
+        out[i].leaf = NO_LEAF;
+        if (!may[i])
+            continue;
+        out[i].t = INFINITY;
+        out[i].instance = NO_INSTANCE;
+        search.ray = ray_of(r, i);
+        search.mask = mask[i];
+        search.far = INFINITY;
+        search.best = &out[i];
         visit_nearest(&search, few->item, (uint32_t)may[i], &far);
     }
     s->counts.rays += (unsigned)r->n;
@@ -423,15 +439,20 @@ static void blocked_by_few(const struct plan *p, struct scratch *s, const struct
     const struct space *space = &p->geometry->space[0];
     struct blocker none = { .is_known = false };
     struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
+    struct meeting by;
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
+                             .best = &by };
     uint64_t may[MANY];
 
     few_aim(space->few, r, far, may);
     for (int i = 0; i < r->n; i++) {
-        struct meeting by;
-        struct search search = { .plan = p, .s = s, .ray = ray_of(r, i), .instance = NO_INSTANCE,
-                                 .mask = RAY_SHADOW, .far = far[i], .best = &by };
-        barrier[i] = few_block(&search, space, (uint32_t)(may[i] & space->opaque), last)
-                         ? BARRIER_OPAQUE : may[i] & space->clear;
+        barrier[i] = may[i] & space->clear;
+        if (!(may[i] & space->opaque))
+            continue;
+        search.ray = ray_of(r, i);
+        search.far = far[i];
+        if (few_block(&search, space, (uint32_t)(may[i] & space->opaque), last))
+            barrier[i] = BARRIER_OPAQUE;
     }
     s->counts.shadow_rays += (unsigned)r->n;
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)space->few->n;
@@ -631,32 +652,61 @@ static vec2 uv_at(const struct leaf *l, struct ray ray, const struct hit *h, vec
     return l->ops->uv ? l->ops->uv(l->shape, ray_at(ray, h->t), h) : otherwise;
 }
 
-/* Twice the slack: the next ray's own search is as uncertain as this one. */
-void geometry_point(const struct plan *p, struct ray ray, const struct meeting *m,
-                    struct surface_point *out)
+/* Where a shape of the world stands in its own space: nothing to transform. */
+static void plain_point(const struct leaf *l, const struct meeting *m,
+                        struct surface_point *out)
 {
-    const struct leaf *l = &p->leaf[m->leaf];
+    vec3 n = l->ops ? l->ops->normal(l->shape, out->point, &m->hit) : mesh_normal(l->mesh, &m->hit);
+
+    out->normal = vec_unit(l->inverse ? vec_neg(n) : n);
+    out->surface = l->surface;
+    out->local = out->point;
+    out->slack = m->hit.slack;
+}
+
+static void placed_point(const struct plan *p, const struct leaf *l, const struct ray *ray,
+                         const struct meeting *m, struct surface_point *out)
+{
     const struct instance *in = m->instance == NO_INSTANCE ? NULL : &p->instance[m->instance];
-    struct ray outer = in ? placed_ray(&in->place, ray) : ray;
-    struct ray inner = leaf_ray(l, outer);
-    vec3 normal = leaf_normal(l, inner, &m->hit);
+    struct ray outer = in ? placed_ray(&in->place, *ray) : *ray;
+    vec3 normal = leaf_normal(l, leaf_ray(l, outer), &m->hit);
     double slack = leaf_slack(l, outer, &m->hit);
 
-    out->point = ray_at(ray, m->t);
     out->surface = l->surface;
     out->local = out->point;
     if (in) {
         normal = mat_normal(&in->place.from, normal);
-        slack = placed_slack(&in->place, in->stretch, in->fuzz, slack, ray, m->t);
+        slack = placed_slack(&in->place, in->stretch, in->fuzz, slack, *ray, m->t);
         if (l->surface == NO_LEAF)
             out->surface = in->surface;
         else
             out->local = ray_at(outer, m->t);
     }
     out->normal = vec_unit(normal);
-    out->slack = 2 * slack + point_rounding * vec_largest(out->point);
-    out->uv = p->surface[out->surface].wants_uv ? uv_at(l, inner, &m->hit, out->point)
-                                                : (vec2) { 0, 0 };
+    out->slack = slack;
+}
+
+static struct ray innermost(const struct plan *p, const struct leaf *l, const struct ray *ray,
+                            const struct meeting *m)
+{
+    return leaf_ray(l, m->instance == NO_INSTANCE
+                           ? *ray : placed_ray(&p->instance[m->instance].place, *ray));
+}
+
+/* Twice the slack: the next ray's own search is as uncertain as this one. */
+void geometry_point(const struct plan *p, const struct ray *ray, const struct meeting *m,
+                    struct surface_point *out)
+{
+    const struct leaf *l = &p->leaf[m->leaf];
+
+    out->point = ray_at(*ray, m->t);
+    if (l->placement || m->instance != NO_INSTANCE)
+        placed_point(p, l, ray, m, out);
+    else
+        plain_point(l, m, out);
+    out->slack = 2 * out->slack + point_rounding * vec_largest(out->point);
+    out->uv = p->surface[out->surface].wants_uv
+                  ? uv_at(l, innermost(p, l, ray, m), &m->hit, out->point) : (vec2) { 0, 0 };
     if (l->ops)
         memset(out->texture, 0xff, sizeof out->texture);
     else

@@ -67,7 +67,7 @@ struct surface_point {
     uint32_t texture[3];                /* of a mesh face: MESH_NONE mostly */
     float weight[3];                    /* barycentric, with texture[] */
 };
-void geometry_point(const struct plan *p, struct ray ray, const struct meeting *m,
+void geometry_point(const struct plan *p, const struct ray *ray, const struct meeting *m,
                     struct surface_point *out);
 
 struct geometry_counts { unsigned long long rays, shadow_rays, box_tests, leaf_tests, csg_tests; };

@@ -106,7 +106,7 @@ static bool pass(void *arg, const struct meeting *m)
     struct passing *p = arg;
     struct surface_point at;
 
-    geometry_point(p->w->plan, p->ray, m, &at);
+    geometry_point(p->w->plan, &p->ray, m, &at);
     const struct surface *s = &p->w->plan->surface[at.surface];
     bool from_inside = vec_dot(at.normal, p->ray.dir) > 0;
     p->light = rgb_mul(p->light, surface_filter(s, &at, from_inside));

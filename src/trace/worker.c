@@ -99,9 +99,11 @@ static void meet(struct worker *w)
 
 static void locate(struct worker *w)
 {
-    for (int i = 0; i < w->now.n; i++)
+    for (int i = 0; i < w->now.n; i++) {
+        struct ray ray = wave_at(&w->now, i);
         if (w->meeting[i].leaf != NO_LEAF)
-            geometry_point(w->plan, wave_at(&w->now, i), &w->meeting[i], &w->point[i]);
+            geometry_point(w->plan, &ray, &w->meeting[i], &w->point[i]);
+    }
 }
 
 /* ---- programs ---- */
