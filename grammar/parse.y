@@ -6,9 +6,8 @@
 %code requires {
 #include "lang/parsing.h"
 
-struct token_word { struct name *name; const struct word *word; };
-struct token_text { const char *text; size_t size; };
-
+/* A value of the stacks is eight bytes: larger ones are written in parts and read
+ * whole, for which processors wait. */
 #define YYLTYPE struct loc
 #define YYMAXDEPTH 30000
 #define YYLLOC_DEFAULT(Current, Rhs, N) \
@@ -23,11 +22,8 @@ struct token_text { const char *text; size_t size; };
 %union {
     double number;
     int op;
-    struct token_text text;
-    struct token_word word;
-    struct ast_bulk bulk;
+    struct name *word;
     struct ast *node;
-    struct loc at;
 }
 %param { struct parse *p }
 %expect 0
@@ -40,13 +36,13 @@ int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
 static void yyerror(YYLTYPE *at, struct parse *p, const char *message);
 static struct ast *pending(struct parse *p);
 static struct ast *take(struct ast *list, struct parse *p);
-static struct ast *word_node(struct parse *p, struct loc at, struct token_word w);
-static struct ast *block_node(struct parse *p, struct loc at, struct token_word w,
+static struct ast *word_node(struct parse *p, struct loc at, struct name *w);
+static struct ast *block_node(struct parse *p, struct loc at, struct name *w,
                               struct ast *body);
 static struct ast *with_args(struct ast *node, struct ast *args);
 static struct ast *with_body(struct ast *node, struct ast *body);
 static struct ast *with_right(struct ast *node, struct ast *right);
-static struct ast *with_name(struct ast *node, struct token_word w);
+static struct ast *with_name(struct ast *node, struct name *w);
 static struct ast *with_op(struct ast *node, int op);
 static struct ast *declaration(struct parse *p, struct loc at, int op, struct ast *marks,
                                struct ast *target, struct ast *value, int semicolon);
@@ -55,16 +51,15 @@ static struct ast *branch(struct parse *p, struct loc at, int op, struct ast *co
 static struct ast *of_one(struct parse *p, struct ast *item);
 static int message_op(const struct word *word);
 static struct ast *splice_node(struct parse *p, struct loc at, struct ast *directive);
-static struct ast *text_node(struct parse *p, struct loc at, struct token_text text);
 }
 
 %token YYEOF 0 "the end of the text"
 %token <number> NUMBER "number"
-%token <text> TEXT "text"
+%token <node> TEXT "text" CONSTANTS "number or vector"
 %token <word> NAME "name" WORD "word" TEXTURE "texture" COLOUR "colour word"
     RGB "rgb" FUNC1 "function call" FUNC "function name" CONSTANT "constant" FUNCTION "function"
     ARRAY "array" MEMBER "component"
-%token <bulk> BULK "numbers"
+%token <node> BULK "numbers"
 %token <op> COMPARE "comparison"
 %token <node> BAD "unreadable characters"
 %token <node> MISSING_BRACE "missing '}'" MISSING_PAREN "missing ')'"
@@ -82,13 +77,12 @@ static struct ast *text_node(struct parse *p, struct loc at, struct token_text t
     branches branch_rest condition group body switch_items switch_item macro_head parameters
     parameter target_in_parens for_head
 %type <word> word any_word no_name
-%type <at> close_brace close_paren close_bracket close_angle close_end
 %type <op> sign semicolon
 
 /* From loose to tight.  LOW: what could go on goes on; a sign behind an
  * operand is an operator, as in <1 -2 3>, which has two components. */
 %precedence LOW
-%precedence ';' '{' '[' NUMBER TEXT NAME TEXTURE COLOUR RGB FUNC1 FUNC CONSTANT '!' '<'
+%precedence ';' '{' '[' NUMBER CONSTANTS TEXT NAME TEXTURE COLOUR RGB FUNC1 FUNC CONSTANT '!' '<'
 %precedence COMPARE
 %precedence '+' '-'
 %precedence '*' '/' '('
@@ -110,14 +104,15 @@ item: value                         { $$ = $1; }
     | function                      { $$ = $1; }
     | braces                        { $$ = with_body(ast_new(p, AST_BRACES, @1), $1); }
     | brackets                      { $$ = with_body(ast_new(p, AST_ENTRY, @1), $1); }
-    | BULK                          { $$ = ast_new(p, AST_BULK, @1); $$->bulk = $1; }
+    | BULK                          { $$ = $1; }
     | ','                           { $$ = ast_new(p, AST_COMMA, @1); }
     | ':'                           { $$ = ast_new(p, AST_COLON, @1); }
     | ';'                           { $$ = ast_new(p, AST_SEMICOLON, @1); }
     | BAD                           { $$ = $1; }
     ;
 
-value: cond %prec LOW               { $$ = $1; };
+value: cond %prec LOW               { $$ = $1; }
+    | CONSTANTS                     { $$ = $1; };     /* no operator stands on either side */
 
 /* --- words and brackets ---------------------------------------------------- */
 
@@ -129,22 +124,22 @@ word_item: word %prec LOW           { $$ = word_node(p, @1, $1); }
     | NAME braces                   { $$ = block_node(p, @1, $1, $2); }
     ;
 
-braces: '{' items close_brace       { $$ = ast_close(p, $2, @1, $3); };
-brackets: '[' items close_bracket   { $$ = ast_close(p, $2, @1, $3); };
-vector: '<' items close_angle       { $$ = ast_pack(ast_close(p, $2, @1, $3)); };
-args: '(' items close_paren         { $$ = ast_pack(ast_close(p, $2, @1, $3)); };
-group: '(' items close_paren        { $$ = ast_pack(ast_close(p, $2, @1, $3)); };
+braces: '{' items close_brace       { $$ = ast_close(p, $2, @1, @3); };
+brackets: '[' items close_bracket   { $$ = ast_close(p, $2, @1, @3); };
+vector: '<' items close_angle       { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
+args: '(' items close_paren         { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
+group: '(' items close_paren        { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
 
-close_brace: '}'                    { $$ = @1; }
-    | MISSING_BRACE                 { $$ = @1; p->pending = $1; };
-close_bracket: ']'                  { $$ = @1; }
-    | MISSING_BRACKET               { $$ = @1; p->pending = $1; };
-close_paren: ')'                    { $$ = @1; }
-    | MISSING_PAREN                 { $$ = @1; p->pending = $1; };
-close_angle: '>'                    { $$ = @1; }
-    | MISSING_ANGLE                 { $$ = @1; p->pending = $1; };
-close_end: END                      { $$ = @1; }
-    | MISSING_END                   { $$ = @1; p->unclosed = ast_add(p->unclosed, $1); };
+close_brace: '}'                    { }
+    | MISSING_BRACE                 { p->pending = $1; };
+close_bracket: ']'                  { }
+    | MISSING_BRACKET               { p->pending = $1; };
+close_paren: ')'                    { }
+    | MISSING_PAREN                 { p->pending = $1; };
+close_angle: '>'                    { }
+    | MISSING_ANGLE                 { p->pending = $1; };
+close_end: END                      { }
+    | MISSING_END                   { p->unclosed = ast_add(p->unclosed, $1); };
 
 /* --- expressions ----------------------------------------------------------- */
 
@@ -190,10 +185,10 @@ tail: '*' runary %prec LOW          { $$ = ast_tail(p, @$, '*', $2); }
     | COMPARE rsum %prec LOW        { $$ = ast_tail(p, @$, $1, $2); };
 
 postfix: primary %prec LOW          { $$ = $1; }
-    | primary '.' MEMBER            { $$ = ast_member(p, @$, $1, $3.name->text); };
+    | primary '.' MEMBER            { $$ = ast_member(p, @$, $1, $3->text); };
 
 primary: NUMBER                     { $$ = ast_new(p, AST_NUMBER, @1); $$->number = $1; }
-    | TEXT                          { $$ = text_node(p, @1, $1); }
+    | TEXT                          { $$ = $1; }
     | NAME %prec LOW                { $$ = with_name(ast_new(p, AST_NAME, @1), $1); }
     | NAME subscripts %prec LOW     { $$ = with_args(with_name(ast_new(p, AST_INDEX, @$), $1), $2); }
     | NAME args                     { $$ = with_args(with_name(ast_new(p, AST_CALL, @$), $1), $2); }
@@ -208,7 +203,7 @@ primary: NUMBER                     { $$ = ast_new(p, AST_NUMBER, @1); $$->numbe
 
 subscripts: subscript               { $$ = of_one(p, $1); }
     | subscripts subscript          { $$ = ast_add($1, $2); };
-subscript: '[' items close_bracket  { $$ = ast_pack(ast_close(p, $2, @1, $3)); };
+subscript: '[' items close_bracket  { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
 
 array: ARRAY subscripts %prec LOW   { $$ = with_args(ast_new(p, AST_ARRAY, @1), $2); }
     | ARRAY subscripts braces       { $$ = with_body(with_args(ast_new(p, AST_ARRAY, @1), $2), $3); };
@@ -228,17 +223,17 @@ directive: quiet %prec LOW          { $$ = $1; }
 quiet: declare
     | UNDEF target                  { $$ = ast_new(p, AST_UNDEF, @$); $$->target = $2; }
     | MACRO macro_head items close_end
-                                    { $$ = with_body($2, ast_close(p, $3, @1, $4)); $$->at = @1; }
+                                    { $$ = with_body($2, ast_close(p, $3, @1, @4)); $$->at = @1; }
     | VERSION sum semicolon         { $$ = with_right(ast_new(p, AST_VERSION, @1), $2);
                                       $$->flags |= $3 ? AST_SEMI : 0; }
     | DEFAULT braces                { $$ = with_body(ast_new(p, AST_DEFAULT, @1), $2); }
     | MESSAGE splice                { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
-                                                              message_op($1.word)),
+                                                              message_op($1->word)),
                                                       splice_node(p, @2, $2)); }
     | MESSAGE postfix %prec LOW     { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
-                                                              message_op($1.word)), $2); }
+                                                              message_op($1->word)), $2); }
     | FOPEN NAME postfix word       { $$ = with_name(ast_new(p, AST_FOPEN, @1), $2);
-                                      $$->word = $4.word; $$->args = of_one(p, $3); }
+                                      $$->word = $4->word; $$->args = of_one(p, $3); }
     | FCLOSE any_word               { $$ = with_name(ast_new(p, AST_FCLOSE, @1), $2); }
     | READ args                     { $$ = with_args(ast_new(p, AST_READ, @1), $2); }
     | WRITE args                    { $$ = with_args(ast_new(p, AST_WRITE, @1), $2); }
@@ -246,12 +241,12 @@ quiet: declare
     ;
 
 /* ... and these may leave items. */
-splice: branches close_end          { $$ = ast_close(p, $1, $1->at, $2); $$->kind = AST_IF; }
+splice: branches close_end          { $$ = ast_close(p, $1, $1->at, @2); $$->kind = AST_IF; }
     | WHILE condition body          { $$ = with_body(with_args(ast_new(p, AST_WHILE, @1), $2), $3); }
     | FOR for_head body             { $$ = with_body($2, $3); $$->at = @1; }
     | SWITCH condition switch_items close_end
                                     { $$ = with_body(with_args(ast_new(p, AST_SWITCH, @1), $2),
-                                                     ast_close(p, $3, @1, $4)); }
+                                                     ast_close(p, $3, @1, @4)); }
     | INCLUDE postfix %prec LOW     { $$ = with_right(ast_new(p, AST_INCLUDE, @1), $2); }
     ;
 
@@ -269,7 +264,7 @@ declare: DECLARE marks target '=' declared semicolon
 marks: %empty                       { $$ = NULL; }
     | marks word                    { $$ = ast_add($1 ? $1 : ast_list(p, @2), word_node(p, @2, $2)); }
     | marks CONSTANT                { $$ = ast_add($1 ? $1 : ast_list(p, @2), word_node(p, @2, $2)); }
-    | marks TEXT                    { $$ = ast_add($1 ? $1 : ast_list(p, @2), text_node(p, @2, $2)); }
+    | marks TEXT                    { $$ = ast_add($1 ? $1 : ast_list(p, @2), $2); }
     ;
 
 target: NAME %prec LOW              { $$ = with_name(ast_new(p, AST_NAME, @1), $1); }
@@ -306,7 +301,7 @@ semicolon: %empty %prec LOW         { $$ = 0; }
 condition: group                    { $$ = $1; }
     | error                         { $$ = take(ast_list(p, @1), p); }
     ;
-body: items close_end               { $$ = ast_close(p, $1, @1, $2); };
+body: items close_end               { $$ = ast_close(p, $1, @1, @2); };
 
 branches: IF condition items        { $$ = of_one(p, branch(p, @1, 'i', $2, $3)); }
     | IFDEF target_in_parens items  { $$ = of_one(p, branch(p, @1, 'd', $2, $3)); }
@@ -325,7 +320,7 @@ any_word: no_name | NAME;
 
 for_head: '(' NAME items close_paren
                                     { $$ = with_args(with_name(ast_new(p, AST_FOR, @2), $2),
-                                                     ast_close(p, $3, @1, $4)); }
+                                                     ast_close(p, $3, @1, @4)); }
     | error                         { $$ = with_args(ast_new(p, AST_FOR, @1),
                                                      take(ast_list(p, @1), p)); }
     ;
@@ -370,14 +365,14 @@ static struct ast *take(struct ast *list, struct parse *p)
     return ast_add(list, pending(p));
 }
 
-static struct ast *with_name(struct ast *node, struct token_word w)
+static struct ast *with_name(struct ast *node, struct name *w)
 {
-    node->name = w.name;
-    node->word = w.word;
+    node->name = w;
+    node->word = w ? w->word : NULL;
     return node;
 }
 
-static struct ast *word_node(struct parse *p, struct loc at, struct token_word w)
+static struct ast *word_node(struct parse *p, struct loc at, struct name *w)
 {
     return with_name(ast_new(p, AST_WORD, at), w);
 }
@@ -396,7 +391,7 @@ static struct ast *with_body(struct ast *node, struct ast *body)
     return node;
 }
 
-static struct ast *block_node(struct parse *p, struct loc at, struct token_word w,
+static struct ast *block_node(struct parse *p, struct loc at, struct name *w,
                               struct ast *body)
 {
     return with_body(with_name(ast_new(p, AST_BLOCK, at), w), body);
@@ -417,15 +412,6 @@ static struct ast *with_op(struct ast *node, int op)
 static struct ast *of_one(struct parse *p, struct ast *item)
 {
     return ast_pack(ast_add(ast_list(p, item->at), item));
-}
-
-static struct ast *text_node(struct parse *p, struct loc at, struct token_text text)
-{
-    struct ast *node = ast_new(p, AST_TEXT, at);
-
-    node->text = text.text;
-    node->size = text.size;
-    return node;
 }
 
 static struct ast *splice_node(struct parse *p, struct loc at, struct ast *directive)

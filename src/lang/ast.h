@@ -38,6 +38,7 @@ enum ast_kind {
     AST_FUNC,           /* a built-in function: word, args */
     AST_CONSTANT,       /* pi, x, clock ...: word */
     AST_VECTOR,         /* < >: args */
+    AST_LITERAL,        /* < > of nothing but numbers: n, v */
     AST_PAREN,          /* ( ): args */
     AST_MEMBER,         /* .x: left, index */
     AST_UNARY,          /* op, right */
@@ -90,11 +91,12 @@ struct ast {
     uint8_t op;                 /* '+' '-' '*' '/' '!' '<' '>' '=' '&' '|', or one of below */
     uint8_t index;              /* MEMBER: 0..4, or AST_GRAY */
     uint16_t depth;             /* of an expression */
-    uint16_t n;                 /* values in a plain list, saturated */
+    uint16_t n;                 /* values in a plain list, saturated; components */
     struct loc at;
     struct ast *next;           /* the item after this one */
     union {
         double number;
+        double v[5];
         struct { const char *text; size_t size; struct loc other; };
         struct { struct ast *left, *right, *third; };
         struct ast_bulk bulk;

@@ -21,7 +21,7 @@ static bool take_numbers(struct lang *l, const struct ast *a, const char *what, 
                          double *out)
 {
     struct values values;
-    int got = evaluate_list(l, a->args, &values, false);
+    int got = a->kind == AST_LITERAL ? a->n : evaluate_list(l, a->args, &values, false);
 
     if (got < 0)
         return false;
@@ -30,7 +30,9 @@ static bool take_numbers(struct lang *l, const struct ast *a, const char *what, 
         return false;
     }
     for (size_t i = 0; i < n; i++)
-        if (!value_components(&values.item[i].value, 1, &out[i])) {
+        if (a->kind == AST_LITERAL)
+            out[i] = a->v[i];
+        else if (!value_components(&values.item[i].value, 1, &out[i])) {
             diag_error(l->diag, a->at, "%s: value %zu is no number", what, i + 1);
             return false;
         }
@@ -42,7 +44,7 @@ static bool read_list(struct reader *r, enum ast_kind kind, const char *what, si
     const struct ast *a = next_node(r);
 
     memset(out, 0, n * sizeof *out);
-    if (a && a->kind == kind) {
+    if (a && (a->kind == kind || (a->kind == AST_LITERAL && kind == AST_VECTOR))) {
         r->has_node = false;
         return take_numbers(r->lang, a, what, n, out);
     }

@@ -413,7 +413,7 @@ static bool starts_with_object(struct reader *r)
 {
     const struct ast *a = r->has_item ? NULL : reader_look(r);
 
-    return !(a && a->kind == AST_VECTOR) && item_is_thing(reader_peek(r), VALUE_OBJECT);
+    return !(a && (a->kind == AST_VECTOR || a->kind == AST_LITERAL)) && item_is_thing(reader_peek(r), VALUE_OBJECT);
 }
 
 static struct object *any(struct lang *l, struct reader *r, const struct item *block,

@@ -10,7 +10,7 @@ static const char *const kinds[] = {
     [AST_SEMICOLON] = "semicolon", [AST_BULK] = "constants", [AST_ERROR] = "error",
     [AST_NUMBER] = "number", [AST_TEXT] = "text", [AST_NAME] = "name", [AST_INDEX] = "element",
     [AST_CALL] = "call", [AST_FUNC] = "call", [AST_CONSTANT] = "constant",
-    [AST_VECTOR] = "vector", [AST_PAREN] = "parentheses", [AST_MEMBER] = "component",
+    [AST_VECTOR] = "vector", [AST_LITERAL] = "constant vector", [AST_PAREN] = "parentheses", [AST_MEMBER] = "component",
     [AST_UNARY] = "sign", [AST_BINARY] = "operator", [AST_TAIL] = "operator without left side",
     [AST_CONDITION] = "choice", [AST_SPLICE] = "directive as operand", [AST_ARRAY] = "array",
     [AST_FUNCTION] = "function", [AST_DECLARE] = "declare", [AST_UNDEF] = "#undef",
@@ -57,6 +57,11 @@ static void dump_expression(struct dump *d, const struct ast *a)
 {
     switch (a->kind) {
     case AST_NUMBER: fprintf(d->out, " %.17g\n", a->number); return;
+    case AST_LITERAL:
+        for (unsigned i = 0; i < a->n; i++)
+            fprintf(d->out, "%s%.17g", i ? ", " : " ", a->v[i]);
+        fputc('\n', d->out);
+        return;
     case AST_TEXT: fprintf(d->out, " \"%s\"\n", a->text); return;
     case AST_MEMBER:
         fprintf(d->out, " %d\n", a->index);

@@ -305,6 +305,11 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
     case AST_FUNC: call_run(l, a, out); return;
     case AST_PAREN: eval_paren(l, a, out); return;
     case AST_VECTOR: eval_vector(l, a, out); return;
+    case AST_LITERAL:
+        out->type = VALUE_NUMBER;
+        out->n = a->n;
+        memcpy(out->v, a->v, sizeof out->v);
+        return;
     case AST_INDEX: eval_index(l, a, out); return;
     case AST_CONSTANT: a->word->constant->get(l, out); return;
     case AST_MEMBER:

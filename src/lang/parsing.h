@@ -26,6 +26,15 @@ struct open {
     struct loc at;
 };
 
+/* A number or vector that was read ahead. */
+struct constant {
+    char *begin, *end;
+    unsigned n;                 /* components */
+    double v[5];
+};
+
+enum { SHORTEST_RUN = 8 };      /* constants that are worth a node of their own */
+
 struct parse {
     struct lang *lang;
     struct arena *mem;
@@ -41,6 +50,8 @@ struct parse {
     bool deep;                  /* nested beyond the limit: the rest is not read */
     int owed;                   /* a token to give again after those that close brackets */
     bool ended;
+    struct constant ahead[SHORTEST_RUN];
+    unsigned n_ahead;
     struct ast *pending;        /* a message that no list has taken yet */
     struct ast *unclosed;       /* messages about directives without #end */
     struct loc declaring;       /* behind #declare, up to its '=' */
