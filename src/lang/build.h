@@ -107,7 +107,7 @@ bool make_density_map(struct lang *l, const struct item *block, struct value *ou
 
 /* What the pattern scheme of facts sdl.md 6.10 yields, whatever it is for. */
 struct patterned {
-    enum value_type of;                 /* VALUE_PIGMENT, _NORMAL, _TEXTURE, _DENSITY */
+    enum value_type of;                 /* VALUE_PIGMENT, _NORMAL, _TEXTURE, _DENSITY; _FUNCTION: the number alone */
     enum { PATTERNED_NONE, PATTERNED_COLOUR, PATTERNED_MAP, PATTERNED_LIST, PATTERNED_IMAGE,
            PATTERNED_AVERAGE, PATTERNED_UV } kind;
     colour colour, quick_colour;

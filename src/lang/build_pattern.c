@@ -4,6 +4,7 @@
 
 #include "lang/build.h"
 #include "lang/colour.h"
+#include "lang/function.h"
 
 /* Words of the patterns that the renderer lacks: they are read in full.  A row
  * of patterns[] with the same name comes first. */
@@ -205,7 +206,7 @@ static struct map default_map_of(const struct patterned *p)
 static const char *thing_word(enum value_type of)
 {
     return of == VALUE_PIGMENT ? "pigment" : of == VALUE_NORMAL ? "normal"
-           : of == VALUE_TEXTURE ? "texture" : "density";
+           : of == VALUE_TEXTURE ? "texture" : of == VALUE_FUNCTION ? "pattern" : "density";
 }
 
 static bool list_item(struct reader *r, struct patterned *p, struct map_entry *e, bool colours)
@@ -264,6 +265,8 @@ static void read_list(struct reader *r, struct patterned *p, int n)
     int got = 0;
 
     p->kind = PATTERNED_LIST;
+    if (p->of == VALUE_FUNCTION)        /* the number itself is wanted */
+        return;
     p->map.type = colours && !item_is_block(reader_peek(r), thing_word(p->of)) ? VALUE_COLOUR_MAP
                                                                               : map_type(p->of);
     while (got < n && list_item(r, p, &e[got], p->map.type == VALUE_COLOUR_MAP)) {
@@ -432,7 +435,9 @@ static void read_pattern(struct reader *r, struct patterned *p, const struct ite
     p->unsupported = NULL;
     if (ops)
         read_row(r, p, ops);
-    else
+    if (i->kind == ITEM_VALUE)
+        function_as_pattern(r->lang, i->at, i->value.thing, (void *)p->use.self, &p->unsupported);
+    else if (!ops)
         read_unsupported(r, p, i, find_syntax(word));
     if (p->kind == PATTERNED_MAP && !had_map)
         p->map = default_map_of(p);
@@ -493,7 +498,7 @@ static bool allowed(const struct patterned *p, enum value_type map)
     bool average = p->kind == PATTERNED_AVERAGE;
 
     if (p->kind == PATTERNED_LIST || p->kind == PATTERNED_COLOUR || p->kind == PATTERNED_IMAGE
-        || p->kind == PATTERNED_NONE)
+        || p->kind == PATTERNED_NONE || p->of == VALUE_FUNCTION)
         return false;
     if (map == VALUE_COLOUR_MAP)
         return (p->of == VALUE_PIGMENT || p->of == VALUE_DENSITY) && !average;

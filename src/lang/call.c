@@ -10,6 +10,7 @@
 #include "lang/file.h"
 #include "lang/scope.h"
 #include "math/mat.h"
+#include "math/noise.h"
 
 static const double near = 1e-10;       /* POV-Ray's tolerance in comparisons */
 
@@ -216,6 +217,13 @@ static void call_vaxis_rotate(struct arguments *a, struct value *out)
     three(out, mat_point(&t.to, point(a, 0)));
 }
 
+static void call_vturbulence(struct arguments *a, struct value *out)
+{
+    double octaves = fmax(1, fmin(NOISE_MOST_OCTAVES, arg(a, 2)));
+
+    three(out, noise_vector_turbulence(point(a, 3), (int)octaves, arg(a, 1), arg(a, 0)));
+}
+
 /* --- arrays, names, files ------------------------------------------------------- */
 
 static void call_dimensions(struct arguments *a, struct value *out)
@@ -356,6 +364,8 @@ const struct call calls[] = {
     RUN("vnormalize", "V", call_vnormalize, "a vector of length 1"),
     RUN("vrotate", "VV", call_vrotate, "a point rotated by degrees about x, y, z"),
     RUN("vstr", "FNSFF", call_vstr, "a vector as a text: components, vector, separator, width, digits"),
+    RUN("vturbulence", "FFFV", call_vturbulence,
+        "the noise's vector: lambda, omega, octaves, point"),
     { .name = NULL },
 };
 

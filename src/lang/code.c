@@ -6,8 +6,16 @@
 
 enum { LANES = 32 };
 
-static void run(const struct function *f, const struct code *code, size_t n_code, double *reg,
-                int stride, int n);
+/* What runs: arrays of n values, stride apart.  Threads share functions, so that only
+ * the reader of the scene may let them remember. */
+struct machine {
+    double *reg;
+    int stride, n;
+    bool remember;
+};
+
+static void run(const struct machine *m, const struct code *code, size_t n_code);
+static void run_one(const struct function *f, const double *arguments, double *out, bool remember);
 
 #define EACH(expression) \
     for (int i = 0; i < n; i++) \
@@ -18,28 +26,30 @@ static double least(double a, double b) { return b < a ? b : a; }
 static double most(double a, double b) { return b > a ? b : a; }
 static double sign_of(double x, double a, double b, double c) { return x < 0 ? a : x == 0 ? b : c; }
 
-static void call(const struct code *c, double *r, int stride, int n)
+static void call(const struct machine *m, const struct code *c, double *r)
 {
-    double argument[MOST_PARAMETERS], out[MOST_COMPONENTS];
+    double argument[MOST_PARAMETERS] = { 0 }, out[MOST_COMPONENTS];
 
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < m->n; i++) {
         for (int k = 0; k < c->function->n_parameter; k++)
-            argument[k] = r[k * stride + i];
-        function_run(c->function, argument, out);
+            argument[k] = r[k * m->stride + i];
+        run_one(c->function, argument, out, m->remember);
         r[i] = out[c->from];
     }
 }
 
 /* The counter takes the register behind the two bounds. */
-static void repeat(const struct function *f, const struct code *c, double *reg, int stride, int n)
+static void repeat(const struct machine *m, const struct code *c)
 {
-    double *r = reg + (size_t)c->to * (size_t)stride;
+    int stride = m->stride;
+    double *r = m->reg + (size_t)c->to * (size_t)stride;
 
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < m->n; i++) {
+        struct machine one = { m->reg + i, stride, 1, m->remember };
         double end = r[stride + i], total = c->op == CODE_SUM ? 0 : 1;
         for (double k = r[i]; k <= end; k++) {
             r[2 * stride + i] = k;
-            run(f, c + 1, c->count, reg + i, stride, 1);
+            run(&one, c + 1, c->count);
             total = c->op == CODE_SUM ? total + r[3 * stride + i] : total * r[3 * stride + i];
             if (k + 1 == k)
                 break;
@@ -48,9 +58,11 @@ static void repeat(const struct function *f, const struct code *c, double *reg, 
     }
 }
 
-static void run(const struct function *f, const struct code *code, size_t n_code, double *reg,
-                int stride, int n)
+static void run(const struct machine *m, const struct code *code, size_t n_code)
 {
+    double *reg = m->reg;
+    int stride = m->stride, n = m->n;
+
     for (const struct code *c = code; c < code + n_code; c++) {
         double *r = reg + (size_t)c->to * (size_t)stride, *s = r + stride;
         const double *from = reg + (size_t)c->from * (size_t)stride;
@@ -76,44 +88,67 @@ static void run(const struct function *f, const struct code *code, size_t n_code
         case CODE_TWO: EACH(c->two(r[i], s[i]));
         case CODE_SELECT3: EACH(r[i] < 0 ? s[i] : s[stride + i]);
         case CODE_SELECT4: EACH(sign_of(r[i], s[i], s[stride + i], s[2 * stride + i]));
-        case CODE_CALL: call(c, r, stride, n); break;
+        case CODE_CALL: call(m, c, r); break;
         default:
-            repeat(f, c, reg, stride, n);
+            repeat(m, c);
             c += c->count;
         }
     }
 }
 
-void function_run(const struct function *f, const double *arguments, double *out)
+static double internal_value(const struct function *f, const double *a, bool remember)
 {
+    struct octave_weights *w = f->weights;
+    struct internal_setting setting = { *f->noise_generator,
+                                        w && (remember || w->known) ? w : NULL };
+
+    return f->internal->at(a[0], a[1], a[2], a + 3, &setting);
+}
+
+static void run_one(const struct function *f, const double *arguments, double *out, bool remember)
+{
+    vec3 p = vec(arguments[0], arguments[1], arguments[2]);   /* there is room for three at least */
+
     switch (f->kind) {
     case FUNCTION_CODE: {
         double reg[f->n_register];
         memcpy(reg, arguments, (size_t)f->n_parameter * sizeof *reg);
-        run(f, f->code, f->n_code, reg, 1, 1);
+        run(&(struct machine) { reg, 1, 1, remember }, f->code, f->n_code);
         out[0] = reg[f->n_parameter];
         return;
     }
     case FUNCTION_TRANSFORM: {
-        vec3 p = mat_point(&f->transform->to, vec(arguments[0], arguments[1], arguments[2]));
-        out[0] = p.x;
-        out[1] = p.y;
-        out[2] = p.z;
+        vec3 to = mat_point(&f->transform->to, p);
+        memcpy(out, (double[]) { to.x, to.y, to.z }, 3 * sizeof *out);
+        return;
+    }
+    case FUNCTION_PIGMENT: {
+        colour c = pigment_at(f->pigment, p);
+        memcpy(out, (double[]) { c.r, c.g, c.b, c.f, c.t }, 5 * sizeof *out);
         return;
     }
     case FUNCTION_SPLINE: spline_at(f->spline, arguments[0], -1, out); return;
-    default: memset(out, 0, (size_t)f->n_component * sizeof *out);
+    case FUNCTION_INTERNAL: out[0] = internal_value(f, arguments, remember); return;
+    case FUNCTION_PATTERN: out[0] = pattern_at(f->pattern, f->transform, p); return;
     }
+}
+
+void function_run(const struct function *f, const double *arguments, double *out)
+{
+    double padded[MOST_PARAMETERS] = { 0 };
+
+    memcpy(padded, arguments, (size_t)f->n_parameter * sizeof *padded);
+    run_one(f, padded, out, true);
 }
 
 void function_many(const struct function *f, int n, const double *const *arguments, double *out)
 {
     if (f->kind != FUNCTION_CODE) {
-        double argument[MOST_PARAMETERS], component[MOST_COMPONENTS];
+        double argument[MOST_PARAMETERS] = { 0 }, component[MOST_COMPONENTS];
         for (int i = 0; i < n; i++) {
             for (int k = 0; k < f->n_parameter; k++)
                 argument[k] = arguments[k][i];
-            function_run(f, argument, component);
+            run_one(f, argument, component, false);
             out[i] = component[0];
         }
         return;
@@ -123,9 +158,15 @@ void function_many(const struct function *f, int n, const double *const *argumen
         int lanes = n - first < LANES ? n - first : LANES;
         for (int k = 0; k < f->n_parameter; k++)
             memcpy(reg + k * LANES, arguments[k] + first, (size_t)lanes * sizeof *reg);
-        run(f, f->code, f->n_code, reg, LANES, lanes);
+        run(&(struct machine) { reg, LANES, lanes, false }, f->code, f->n_code);
         memcpy(out + first, reg + f->n_parameter * LANES, (size_t)lanes * sizeof *reg);
     }
+}
+
+void function_values(const void *self, int n, const double *x, const double *y, const double *z,
+                     double *value)
+{
+    function_many(self, n, (const double *[]) { x, y, z }, value);
 }
 
 double function_at(const struct function *f, const double *arguments)

@@ -6,6 +6,7 @@
 #define RTC_CODE_H
 
 #include "lang/state.h"
+#include "math/internal.h"
 
 enum operation {
     CODE_NUMBER, CODE_MOVE,                     /* to = number; to = register from */
@@ -32,7 +33,7 @@ struct code {
 };
 
 enum function_kind { FUNCTION_CODE, FUNCTION_TRANSFORM, FUNCTION_SPLINE, FUNCTION_INTERNAL,
-                     FUNCTION_UNSUPPORTED };
+                     FUNCTION_PATTERN, FUNCTION_PIGMENT };
 
 struct function {
     enum function_kind kind;
@@ -40,18 +41,27 @@ struct function {
     bool is_recursive;                  /* it must not be called */
     struct code *code;
     size_t n_code;
-    const struct transform *transform;
+    const struct transform *transform;  /* its own, or where the pattern is */
     const struct spline *spline;
-    int internal;
+    const struct pattern_use *pattern;
+    const struct pigment *pigment;
+    const struct internal *internal;
+    const int *noise_generator;         /* the scene's */
+    struct octave_weights *weights;     /* what its first call leaves behind */
+    const char *unsupported;            /* not NULL: it cannot be called, for what it needs */
     struct loc at;
 };
 
 enum { MOST_PARAMETERS = 55, MOST_COMPONENTS = 5 };
 
-/* Components at one point. */
+/* Components at one point, while the scene is read. */
 void function_run(const struct function *f, const double *arguments, double *out);
-/* A float function at n points: arguments[i] are the n values of parameter i. */
+/* A float function at n points: arguments[i] are the n values of parameter i.  Threads may share f. */
 void function_many(const struct function *f, int n, const double *const *arguments, double *out);
+
+/* A function of x, y, z for the rest of the program: self is the function. */
+void function_values(const void *self, int n, const double *x, const double *y, const double *z,
+                     double *value);
 
 void spline_at(const struct spline *s, double t, int type, double *out);   /* type -1: its own */
 int spline_components(const struct spline *s);

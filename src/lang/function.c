@@ -15,6 +15,7 @@
 #include "lang/frame.h"
 #include "lang/guess.h"
 #include "lang/scope.h"
+#include "pattern/function.h"
 
 enum { MOST_NAMES = MOST_PARAMETERS + 16 };
 
@@ -43,7 +44,7 @@ static struct code *emit(struct compiling *c, enum operation op, int to)
 {
     struct function *f = c->f;
 
-    f->code = arena_grow(c->l->mem, f->code, f->n_code, &c->room_code, sizeof *f->code);
+    f->code = arena_grow(c->l->scene_mem, f->code, f->n_code, &c->room_code, sizeof *f->code);
     if (to + 6 > f->n_register)
         f->n_register = to + 6;
     f->code[f->n_code] = (struct code) { .op = (uint16_t)op, .to = (uint32_t)to };
@@ -357,6 +358,8 @@ static void compile_call(struct compiling *c, const struct ast *a, int component
             return;
         }
         c->f->is_recursive |= f->is_recursive;
+        if (f->unsupported)
+            c->f->unsupported = f->unsupported;
         struct code *code = emit(c, CODE_CALL, to);
         code->function = f;
         code->from = (uint16_t)(component < 0 ? 0 : component);
@@ -422,7 +425,7 @@ static void compile(struct compiling *c, const struct ast *a, int to)
     case AST_ERROR:
         fail(c, a->at, a->text);
         return;
-    case AST_VECTOR: fail(c, a->at, "a vector cannot be used in a function"); return;
+    case AST_VECTOR: case AST_LITERAL: fail(c, a->at, "a vector cannot be used in a function"); return;
     case AST_TEXT: fail(c, a->at, "a text cannot be used in a function"); return;
     default: fail(c, a->at, "this cannot be used in a function");
     }
@@ -480,10 +483,16 @@ static void read_parameters(struct compiling *c, const struct ast *params)
         fail(c, params->at, "a function has at least one parameter");
 }
 
+static struct item block_item(const struct ast *block)
+{
+    return (struct item) { .kind = ITEM_BLOCK, .at = block->at, .word = block->word,
+                           .text = block->name->text, .body = block->body,
+                           .brace = block->body->at };
+}
+
 static void transform_function(struct compiling *c, const struct ast *block)
 {
-    struct item i = { .kind = ITEM_BLOCK, .at = block->at, .word = block->word,
-                      .text = block->name->text, .body = block->body, .brace = block->body->at };
+    struct item i = block_item(block);
     struct value v = { .type = VALUE_NONE };
 
     c->f->kind = FUNCTION_TRANSFORM;
@@ -492,6 +501,48 @@ static void transform_function(struct compiling *c, const struct ast *block)
         c->f->transform = v.thing;
     else
         c->failed = true;
+}
+
+static void pigment_function(struct compiling *c, const struct ast *block)
+{
+    struct item i = block_item(block);
+
+    c->f->kind = FUNCTION_PIGMENT;
+    c->f->n_component = 5;
+    c->f->pigment = build_pigment(c->l, &i, build_of(c->l)->texture->pigment);
+    c->f->unsupported = pigment_unsupported(c->f->pigment);
+}
+
+/* POV-Ray's list of patterns that are for surfaces or have more than a number to say. */
+static bool is_for_functions(const char *word)
+{
+    static const char *const others[] = { "square", "triangular", "tiling", "pavement", "slope",
+                                          "aoi", "average", "facets", "image_map", "bump_map" };
+
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(others[i], word) == 0)
+            return false;
+    return true;
+}
+
+static void pattern_function(struct compiling *c, const struct ast *block)
+{
+    struct item i = block_item(block);
+    struct patterned p = patterned_new(VALUE_FUNCTION);
+    struct reader r;
+    struct arena *mem = c->l->scene_mem;
+
+    reader_open(&r, c->l, i.body);
+    build_patterned(&r, &p, &i);
+    reader_close(&r);
+    if (!p.word || p.uv_mapping || !is_for_functions(p.word))
+        fail(c, block->at, p.word && !p.uv_mapping
+             ? arena_format(c->l->mem, "the pattern '%s' cannot be a function", p.word)
+             : "a pattern must stand in function { pattern { } }");
+    c->f->kind = FUNCTION_PATTERN;
+    c->f->pattern = arena_copy(mem, &p.use, sizeof p.use);
+    c->f->transform = arena_copy(mem, &p.place, sizeof p.place);
+    c->f->unsupported = p.unsupported;
 }
 
 static void spline_function(struct compiling *c, const struct ast *block)
@@ -520,12 +571,11 @@ static bool special_function(struct compiling *c, const struct ast *body, bool h
         transform_function(c, a);
     else if (word_is(a->word, "spline"))
         spline_function(c, a);
-    else if (word_is(a->word, "pigment") || word_is(a->word, "pattern")) {
-        diag_unsupported(c->l->diag, a->at, arena_format(c->l->mem, "function { %s { } }",
-                                                         a->word->text));
-        c->f->kind = FUNCTION_UNSUPPORTED;
-        c->f->n_component = word_is(a->word, "pigment") ? 5 : 1;
-    } else
+    else if (word_is(a->word, "pigment"))
+        pigment_function(c, a);
+    else if (word_is(a->word, "pattern"))
+        pattern_function(c, a);
+    else
         fail(c, a->at, arena_format(c->l->mem, "'%s { }' cannot be a function", a->word->text));
     if (!c->failed && a->next)
         fail(c, a->next->at, "nothing can follow in this function");
@@ -544,16 +594,20 @@ static bool internal_function(struct compiling *c, const struct ast *body)
         return true;
     }
     c->f->kind = FUNCTION_INTERNAL;
-    c->f->internal = (int)number;
-    c->n_name = internal_parameters(c->f->internal);
-    if (c->n_name == 0)
+    c->f->internal = internal_find(number);
+    c->f->noise_generator = &c->l->scene->settings.noise_generator;
+    if (number == 59)                   /* f_ridged_mf */
+        c->f->weights = arena_alloc(c->l->scene_mem, sizeof *c->f->weights);
+    if (!c->f->internal)
         fail(c, a->at, arena_format(c->l->mem, "there is no internal function %g", number));
+    else
+        c->n_name = c->f->internal->parameters;
     return true;
 }
 
 bool function_make(struct lang *l, const struct ast *node, struct value *out)
 {
-    struct function *f = arena_alloc(l->mem, sizeof *f);
+    struct function *f = arena_alloc(l->scene_mem, sizeof *f);
     struct compiling c = { .l = l, .f = f };
 
     *f = (struct function) { .kind = FUNCTION_CODE, .n_component = 1, .at = node->at };
@@ -596,6 +650,11 @@ void function_call(struct lang *l, const struct ast *node, const struct function
         diag_error(l->diag, node->at, "function '%s' calls itself without end", node->name->text);
         return;
     }
+    if (f->unsupported) {
+        diag_error(l->diag, node->at, "function '%s' needs %s, which is not supported yet",
+                   node->name->text, f->unsupported);
+        return;
+    }
     for (int i = 0; i < n; i++) {
         const struct value *v = &list.item[i].value;
         if (!value_is_number(v) || v->n != 1) {
@@ -606,4 +665,19 @@ void function_call(struct lang *l, const struct ast *node, const struct function
     }
     function_run(f, argument, result);
     *out = value_vector(f->n_component, result);
+}
+
+bool function_as_pattern(struct lang *l, struct loc at, const struct function *f,
+                         struct function_pattern *out, const char **unsupported)
+{
+    *unsupported = f->unsupported;
+    if (f->n_component != 1 || f->n_parameter != 3)
+        diag_error(l->diag, at, "a pattern needs a function of x, y, z that gives one number");
+    else if (f->is_recursive)
+        diag_error(l->diag, at, "this function calls itself without end");
+    else {
+        out->function = (struct callable) { function_values, f };
+        return true;
+    }
+    return false;
 }

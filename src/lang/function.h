@@ -8,8 +8,11 @@ bool function_make(struct lang *l, const struct ast *node, struct value *out);
 void function_call(struct lang *l, const struct ast *node, const struct function *f,
                    struct value *out);
 
-/* How many parameters internal(number) has; 0: there is none. */
-int internal_parameters(int number);
+/* The function as the number of a pattern, into its struct; false: it is not one of
+ * x, y, z, which was reported.  *unsupported: what it needs and cannot have. */
+struct function_pattern;
+bool function_as_pattern(struct lang *l, struct loc at, const struct function *f,
+                         struct function_pattern *out, const char **unsupported);
 
 struct spline;
 bool spline_make(struct lang *l, const struct ast *node, struct value *out);

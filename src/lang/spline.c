@@ -204,12 +204,12 @@ static bool read_knot(struct reader *r, struct spline *s)
 static void copy_spline(struct lang *l, struct spline *s, const struct spline *from)
 {
     *s = *from;
-    s->knot = arena_copy(l->mem, from->knot, from->n * sizeof *from->knot);
+    s->knot = arena_copy(l->scene_mem, from->knot, from->n * sizeof *from->knot);
 }
 
 bool spline_make(struct lang *l, const struct ast *node, struct value *out)
 {
-    struct spline *s = arena_alloc(l->mem, sizeof *s);
+    struct spline *s = arena_alloc(l->scene_mem, sizeof *s);
     size_t room = 0;
     struct reader r;
     bool fine = true;
@@ -227,7 +227,7 @@ bool spline_make(struct lang *l, const struct ast *node, struct value *out)
         reader_next(&r);
     }
     while (fine && !l->stopped && reader_peek(&r)->kind != ITEM_END) {
-        s->knot = arena_grow(l->mem, s->knot, s->n, &room, sizeof *s->knot);
+        s->knot = arena_grow(l->scene_mem, s->knot, s->n, &room, sizeof *s->knot);
         fine = read_knot(&r, s);
     }
     if (fine && s->n == 0 && !r.failed)
@@ -235,7 +235,7 @@ bool spline_make(struct lang *l, const struct ast *node, struct value *out)
     fine = fine && s->n;
     reader_close(&r);
     if (!s->n) {
-        s->knot = arena_alloc(l->mem, sizeof *s->knot);
+        s->knot = arena_alloc(l->scene_mem, sizeof *s->knot);
         s->n = 1;
     }
     solve_bends(l, s);

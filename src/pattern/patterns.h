@@ -19,6 +19,7 @@
     P(cubic) \
     P(cylindrical) \
     P(dents) \
+    P(function) \
     P(gradient) \
     P(granite) \
     P(hexagon) \

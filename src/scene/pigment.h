@@ -107,4 +107,12 @@ struct normal {
 
 extern const struct pigment pigment_default;        /* black, opaque */
 
+/* At one point of the space that the pigment is used in: for the language's
+ * functions.  What cannot be shown is refused before: pigment_unsupported. */
+colour pigment_at(const struct pigment *p, vec3 at);
+const char *pigment_unsupported(const struct pigment *p);   /* in it or in its maps; NULL: nothing */
+
+/* A pattern's number at a point, behind frequency, phase and wave. */
+double pattern_at(const struct pattern_use *use, const struct transform *place, vec3 p);
+
 #endif

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "math/kernel.h"
-#include "math/noise.h"
-#include "trace/picture.h"
+#include "scene/picture.h"
+#include "scene/tune.h"
 
 /* ---- making ---- */
 
@@ -123,18 +123,6 @@ KERNEL static void move(const mat34 *m, int n, const double *restrict x, const d
     }
 }
 
-/* Stirs points by the vector noise; its numbers are single precision (patterns.md 0, 5.3). */
-static void stir(const struct turbulence *t, int n, double *x, double *y, double *z)
-{
-    for (int i = 0; i < n; i++) {
-        vec3 d = noise_vector_turbulence(vec(x[i], y[i], z[i]), t->octaves, (float)t->omega,
-                                         (float)t->lambda);
-        x[i] += t->amount.x * d.x;
-        y[i] += t->amount.y * d.y;
-        z[i] += t->amount.z * d.z;
-    }
-}
-
 void chain_walk(const struct chain *c, const struct spots *s, double *x, double *y,
                        double *z)
 {
@@ -151,62 +139,8 @@ void chain_walk(const struct chain *c, const struct spots *s, double *x, double 
         move(&c->from, s->n, fx, fy, fz, x, y, z);
     }
     if (c->has_turbulence)
-        stir(&c->turbulence, s->n, x, y, z);
-}
-
-/* The sine wave of patterns.md 3.1, where the sign of v counts. */
-static double cycle(double v)
-{
-    double w = fabs(v), s = sin(2 * M_PI * (w - floor(w)));
-
-    return v >= 0 ? s : -s;
-}
-
-static double triangle(double v)
-{
-    double o = v >= 0 ? v - floor(v) : v + 1 + floor(fabs(v));
-
-    return o >= 0.5 ? 2 * (1 - o) : 2 * o;
-}
-
-static double wave(enum wave_type type, double exponent, double v)
-{
-    switch (type) {
-    case WAVE_RAMP: return v;
-    case WAVE_TRIANGLE: return triangle(v);
-    case WAVE_SINE: return (1 + cycle(v)) / 2;
-    case WAVE_SCALLOP: return fabs(cycle(v / 2));
-    case WAVE_CUBIC: return v * v * (3 - 2 * v);
-    case WAVE_POLY: return pow(v, (float)exponent);
-    }
-    return v;
-}
-
-/* 1.00001: POV-Ray's period, so that a value of exactly 1 stays at the end of its map. */
-static double tune(const struct pattern_use *use, double v)
-{
-    float frequency = (float)use->frequency, phase = (float)use->phase;
-
-    if (frequency != 0 && (frequency != 1 || phase != 0 || v > 1.00001 || v < -1.00001))
-        v = fmod(v * (double)frequency + (double)phase, 1.00001);
-    if (v < 0)
-        v -= floor(v);
-    return use->wave == WAVE_RAMP ? v : wave(use->wave, use->exponent, v);
-}
-
-/* Patterns.md 4.1: keys are used in the order written, never sorted. */
-static struct map_place look_up(const float *key, int n, double v)
-{
-    int c = 0;
-
-    if (n == 0 || v >= (double)key[n - 1])
-        return (struct map_place) { n - 1, n - 1, 0 };
-    while ((double)key[c] < v)
-        c++;
-    if (c == 0 || (double)key[c] == v)
-        return (struct map_place) { c, c, 0 };
-    double low = key[c - 1];
-    return (struct map_place) { c - 1, c, (float)((v - low) / ((double)key[c] - low)) };
+        for (int i = 0; i < s->n; i++)
+            stir(&c->turbulence, &x[i], &y[i], &z[i]);
 }
 
 void gauge_read(const struct gauge *g, const struct spots *s, double *x, double *y, double *z,
@@ -231,12 +165,6 @@ static void put(struct colours *out, int i, colour c)
     out->t[i] = c.t;
 }
 
-static colour blend(colour a, colour b, float t)
-{
-    return (colour) { a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b),
-                      a.f + t * (b.f - a.f), a.t + t * (b.t - a.t) };
-}
-
 static void map_colours(const struct paint *p, const struct spots *s, struct colours *out)
 {
     double x[BATCH], y[BATCH], z[BATCH];
@@ -246,7 +174,7 @@ static void map_colours(const struct paint *p, const struct spots *s, struct col
     for (int i = 0; i < s->n; i++) {
         colour c = p->entry_colour[where[i].before];
         if (where[i].share != 0)
-            c = blend(c, p->entry_colour[where[i].after], where[i].share);
+            c = colour_between(c, p->entry_colour[where[i].after], where[i].share);
         put(out, i, c);
     }
 }

@@ -2,7 +2,7 @@
 #ifndef RTC_TRACE_PIGMENT_H
 #define RTC_TRACE_PIGMENT_H
 
-#include "scene/pigment.h"
+#include "scene/tune.h"
 
 enum { BATCH = 128 };                   /* points that are looked at together, at most */
 
@@ -22,8 +22,6 @@ struct chain {
     struct turbulence turbulence;
     bool has_turbulence;
 };
-
-struct map_place { int before, after; float share; };   /* of the entry after */
 
 /* A pattern with the keys of its map. */
 struct gauge {

@@ -1,5 +1,5 @@
 /* picture.c: colours from an image (facts patterns.md 6.1, 6.2). */
-#include "trace/picture.h"
+#include "scene/picture.h"
 
 #include <math.h>
 
