@@ -150,6 +150,8 @@ static bool read_scene(struct options *o, const struct setting *row, bool on, co
     if (strcmp(value, "-") != 0 && !exists(value) && !has_extension(value))
         value = arena_format(o->mem, "%s.pov", value);
     o->scene = NULL;                    /* the last one counts */
+    if (o->allow_write.n == 0)          /* as Debian's povray.conf has it */
+        list_add(o, &o->allow_write, ".");
     return set_scene(o, value);
 }
 
