@@ -613,18 +613,17 @@ static bool mostly_balls(const struct builder *b, const struct list *items)
     return 2 * n > items->n;
 }
 
-/* Bits of struct space: may the item block light, may it let some through? */
-static void note_barriers(struct builder *b, uint32_t item, uint64_t bit, struct space *s)
+/* May the item block light, may it let some through? */
+static struct candidate candidate_of(const struct builder *b, uint32_t item, struct bounds bounds)
 {
     const struct leaf *l = &b->plan->leaf[item_number(item)];
 
-    if (item_kind(item) != ITEM_LEAF || l->surface == NO_LEAF) {
-        s->opaque |= bit;
-        s->clear |= bit;
-    } else if (l->mask & RAY_SHADOW) {
-        bool is_opaque = b->plan->surface[l->surface].is_opaque;
-        *(is_opaque ? &s->opaque : &s->clear) |= bit;
-    }
+    if (item_kind(item) != ITEM_LEAF || l->surface == NO_LEAF)
+        return (struct candidate) { bounds, true, true };
+    if (!(l->mask & RAY_SHADOW))
+        return (struct candidate) { bounds, false, false };
+    bool is_opaque = b->plan->surface[l->surface].is_opaque;
+    return (struct candidate) { bounds, is_opaque, !is_opaque };
 }
 
 static struct few *few_of(struct builder *b, const struct list *items, struct space *s)
@@ -636,7 +635,9 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
         struct bounds box = item_bounds(b, items->item[i]);
         if (bounds_are_empty(box))
             continue;
-        note_barriers(b, items->item[i], (uint64_t)1 << f->n, s);
+        struct candidate c = candidate_of(b, items->item[i], box);
+        s->opaque |= (uint64_t)c.is_opaque << f->n;
+        s->clear |= (uint64_t)c.is_clear << f->n;
         few_add(f, items->item[i], &box);
     }
     return f;
@@ -644,7 +645,7 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
 
 static void finish_space(struct builder *b, uint32_t number, const struct list *items)
 {
-    enum { ITEMS_A_LEAF = 4, BALLS_A_LEAF = 8 };
+    enum { ITEMS_A_LEAF = 4, BALLS_A_LEAF = 8, MOST_CANDIDATES = 1 << 14 };
     struct list bounded = { 0 }, unbounded = { 0 };
     struct bounds *bounds = arena_array(&b->scrap, items->n + 1, sizeof *bounds);
     struct space s = { .n_unbounded = 0 };
@@ -660,8 +661,14 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
     bool balls = mostly_balls(b, &bounded);
     bvh_build(&s.tree, bounded.n, nth, bounds, balls ? BALLS_A_LEAF : ITEMS_A_LEAF, b->threads,
               b->plan->mem);
-    for (size_t i = 0; i < bounded.n; i++)
-        s.tree.item[i] = bounded.item[s.tree.item[i]];
+    if (number == 0 && bounded.n <= MOST_CANDIDATES)
+        s.candidate = arena_array(b->plan->mem, bounded.n + 1, sizeof *s.candidate);
+    for (size_t i = 0; i < bounded.n; i++) {
+        uint32_t at = s.tree.item[i];
+        s.tree.item[i] = bounded.item[at];
+        if (s.candidate)
+            s.candidate[i] = candidate_of(b, bounded.item[at], bounds[at]);
+    }
     if (balls)
         bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
     s.n_unbounded = unbounded.n;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "trace/beam.h"
 #include "trace/world.h"
 
 enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found by looking again */
@@ -16,12 +17,26 @@ struct blocker {
 };
 enum { NO_BIT = FEW };
 
+/* What rays that lie together may meet: all of a small scene, or what a beam
+ * found.  Bits of few: may block light, may filter it. */
+struct choice { const struct few *few; uint64_t opaque, clear, list; };
+
+/* How many rays make a beam, and how many go by themselves first because
+ * beams did not pay. */
+struct pace { int size, rest, wait; };
+
+enum { MOST_LISTS = 16 };
+
 struct scratch {
     const struct plan *plan;
     struct csg_scratch csg;
     struct geometry_counts counts;
     struct blocker *blocker;            /* a light */
     size_t n_blocker;
+    struct pace nearest, *blocked;      /* blocked: a light */
+    struct few beam;                    /* the last beam's */
+    uint32_t list[MOST_LISTS][FEW];     /* what beams of shadow rays found, for their crossings */
+    int n_list;
     struct meeting crossing[MOST_CROSSINGS];
 };
 
@@ -34,6 +49,7 @@ struct scratch *scratch_new(const struct plan *p, struct arena *mem)
     s->csg.box_tests = &s->counts.box_tests;
     s->n_blocker = p->n_light;
     s->blocker = arena_array(mem, p->n_light + 1, sizeof *s->blocker);
+    s->blocked = arena_array(mem, p->n_light + 1, sizeof *s->blocked);
     return s;
 }
 
@@ -192,7 +208,16 @@ static bool is_better(const struct search *s, double t, uint32_t leaf)
 
 static void take(struct search *s, const struct hit *h, uint32_t leaf, bool flipped)
 {
-    *s->best = (struct meeting) { h->t, *h, leaf, s->instance, flipped };
+    struct meeting *b = s->best;        /* member by member: wide copies of narrow stores stall */
+
+    b->t = b->hit.t = h->t;
+    b->hit.slack = h->slack;
+    b->hit.u = h->u;
+    b->hit.v = h->v;
+    b->hit.part = h->part;
+    b->leaf = leaf;
+    b->instance = s->instance;
+    b->flipped = flipped;
     s->far = h->t * (1 + 0x1p-52);
 }
 
@@ -358,7 +383,10 @@ bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, d
     return true;
 }
 
-/* --- arrays of rays: in small scenes all boxes are tried first ------------- */
+/* --- arrays of rays -------------------------------------------------------- */
+
+/* In small scenes all boxes are tried first.  In others, rays that lie
+ * together go down the tree as a beam, and what it finds is tried so. */
 
 enum { MANY = 256 };                    /* rays at a time */
 
@@ -367,22 +395,86 @@ static struct ray ray_of(const struct rays *r, int i)
     return (struct ray) { { r->x[i], r->y[i], r->z[i] }, { r->dx[i], r->dy[i], r->dz[i] } };
 }
 
-static struct rays rays_from(const struct rays *r, int at)
+static struct rays rays_from(const struct rays *r, int at, int most)
 {
-    int n = r->n - at < MANY ? r->n - at : MANY;
+    int n = r->n - at < most ? r->n - at : most;
 
     return (struct rays) { n, r->x + at, r->y + at, r->z + at,
                            r->dx + at, r->dy + at, r->dz + at };
 }
 
-static void nearest_of_few(const struct plan *p, struct scratch *s, const struct rays *r,
-                           const uint8_t *mask, struct meeting *out)
+/* What may be met, in c; false: too much.  n: how much it is. */
+static bool beam(const struct space *space, struct scratch *s, const struct rays *r,
+                 const double *far, struct choice *c)
 {
-    const struct few *few = p->geometry->space[0].few;
+    uint32_t place[FEW];
+    const struct bounds everywhere = BOUNDS_ALL;
+    int n = space->n_unbounded > FEW ? BEAM_TOO_MUCH
+            : beam_walk(&space->tree, r, far, place, FEW - (int)space->n_unbounded,
+                        &s->counts.box_tests);
+
+    if (n < 0)
+        return false;
+    s->beam.n = 0;
+    *c = (struct choice) { .few = &s->beam };
+    for (int i = 0; i < n; i++) {
+        const struct candidate *one = &space->candidate[place[i]];
+        c->opaque |= (uint64_t)one->is_opaque << i;
+        c->clear |= (uint64_t)one->is_clear << i;
+        few_add(&s->beam, space->tree.item[place[i]], &one->bounds);
+    }
+    for (size_t i = 0; i < space->n_unbounded; i++) {
+        c->opaque |= (uint64_t)1 << s->beam.n;
+        c->clear |= (uint64_t)1 << s->beam.n;
+        few_add(&s->beam, space->unbounded[i], &everywhere);
+    }
+    return true;
+}
+
+/* Rays of the next group, which is a beam or not. */
+static int next_group(struct pace *p, int left, bool *is_beam)
+{
+    enum { FIRST = 64 };
+    int most = p->size ? p->size : FIRST;
+
+    if (p->rest > 0 || left < BEAM_LEAST) {
+        int n = p->rest > 0 && p->rest < left ? p->rest : left;
+        p->rest -= n < p->rest ? n : p->rest;
+        *is_beam = false;
+        return n;
+    }
+    *is_beam = true;
+    return left < most + BEAM_LEAST && left <= MANY ? left : most;
+}
+
+/* After a beam of n rays: larger or smaller ones, or none for a while. */
+static void beam_went_well(struct pace *p, int n, int found)
+{
+    enum { LARGEST = 128, ROOM_FOR_MORE = 10 };
+
+    p->wait = 0;
+    p->size = found <= ROOM_FOR_MORE && n < LARGEST ? 2 * n : n < BEAM_LEAST ? BEAM_LEAST : n;
+}
+
+static void beam_went_badly(struct pace *p, int n)
+{
+    enum { SMALLEST = 16, FIRST_WAIT = 128, LONGEST_WAIT = 8192 };
+
+    p->size = n / 2;
+    if (p->size >= SMALLEST)
+        return;
+    p->size = SMALLEST;
+    p->wait = p->wait == 0 ? FIRST_WAIT : p->wait < LONGEST_WAIT ? 2 * p->wait : p->wait;
+    p->rest = p->wait;
+}
+
+static void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
+                              const struct rays *r, const uint8_t *mask, struct meeting *out)
+{
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
     uint64_t may[MANY];
 
-    few_aim(few, r, NULL, may);
+    few_aim(c->few, r, NULL, may);
     for (int i = 0; i < r->n; i++) {
         double far;
         out[i].leaf = NO_LEAF;
@@ -394,29 +486,62 @@ static void nearest_of_few(const struct plan *p, struct scratch *s, const struct
         search.mask = mask[i];
         search.far = INFINITY;
         search.best = &out[i];
-        visit_nearest(&search, few->item, (uint32_t)may[i], &far);
+        visit_nearest(&search, c->few->item, (uint32_t)may[i], &far);
     }
     s->counts.rays += (unsigned)r->n;
-    s->counts.box_tests += (unsigned long long)r->n * (unsigned)few->n;
+    s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
+}
+
+static void nearest_of_each(const struct plan *p, struct scratch *s, const struct rays *r,
+                            const uint8_t *mask, struct meeting *out)
+{
+    for (int i = 0; i < r->n; i++)
+        geometry_nearest(p, s, ray_of(r, i), INFINITY, mask[i], &out[i]);
+}
+
+static void nearest_of_few(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const uint8_t *mask, struct meeting *out)
+{
+    const struct choice all = { .few = p->geometry->space[0].few };
+
+    for (int at = 0; at < rays->n; at += MANY) {
+        struct rays some = rays_from(rays, at, MANY);
+        nearest_of_choice(p, s, &all, &some, mask + at, out + at);
+    }
+}
+
+static void nearest_of_beams(const struct plan *p, struct scratch *s, const struct rays *rays,
+                             const uint8_t *mask, struct meeting *out)
+{
+    struct choice c;
+    bool is_beam;
+
+    for (int at = 0, n; at < rays->n; at += n) {
+        struct rays some = rays_from(rays, at, next_group(&s->nearest, rays->n - at, &is_beam));
+        n = some.n;
+        if (!is_beam) {
+            nearest_of_each(p, s, &some, mask + at, out + at);
+        } else if (beam(&p->geometry->space[0], s, &some, NULL, &c)) {
+            beam_went_well(&s->nearest, n, c.few->n);
+            nearest_of_choice(p, s, &c, &some, mask + at, out + at);
+        } else {
+            beam_went_badly(&s->nearest, n);
+            n = 0;
+        }
+    }
 }
 
 void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct rays *rays,
                            const uint8_t *mask, struct meeting *out)
 {
-    if (!p->geometry->space[0].few) {
-        for (int i = 0; i < rays->n; i++)
-            geometry_nearest(p, s, ray_of(rays, i), INFINITY, mask[i], &out[i]);
-        return;
-    }
-    for (int at = 0; at < rays->n; at += MANY) {
-        struct rays some = rays_from(rays, at);
-        nearest_of_few(p, s, &some, mask + at, out + at);
-    }
+    const struct space *world = &p->geometry->space[0];
+
+    (world->few ? nearest_of_few : world->candidate ? nearest_of_beams : nearest_of_each)
+        (p, s, rays, mask, out);
 }
 
 /* The last blocker first; then all that the ray may meet. */
-static bool few_block(struct search *s, const struct space *space, uint32_t may,
-                      struct blocker *last)
+static bool few_block(struct search *s, const struct few *few, uint32_t may, struct blocker *last)
 {
     uint64_t first = last->is_known && last->bit != NO_BIT ? (uint64_t)1 << last->bit & may : 0;
     double far;
@@ -425,52 +550,115 @@ static bool few_block(struct search *s, const struct space *space, uint32_t may,
         return true;
     for (may &= ~(uint32_t)first; may; may &= may - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(may);
-        if (visit_blocked(s, space->few->item + k, 1, &far)) {
-            *last = (struct blocker) { space->few->item[k], NO_INSTANCE, k, true };
+        if (visit_blocked(s, few->item + k, 1, &far)) {
+            *last = (struct blocker) { few->item[k], NO_INSTANCE, k, true };
             return true;
         }
     }
     return false;
 }
 
-static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *r,
-                           const double *far, uint32_t light, uint64_t *barrier)
+static uint32_t bit_of(const struct blocker *b, const struct few *few)
 {
-    const struct space *space = &p->geometry->space[0];
-    struct blocker none = { .is_known = false };
-    struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
+    if (b->is_known && b->instance == NO_INSTANCE)
+        for (int k = 0; k < few->n; k++)
+            if (few->item[k] == b->item)
+                return (uint32_t)k;
+    return NO_BIT;
+}
+
+static void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
+                              const struct rays *r, const double *far, struct blocker *last,
+                              uint64_t *barrier)
+{
     struct meeting by;
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
                              .best = &by };
     uint64_t may[MANY];
 
-    few_aim(space->few, r, far, may);
+    last->bit = bit_of(last, c->few);
+    few_aim(c->few, r, far, may);
     for (int i = 0; i < r->n; i++) {
-        barrier[i] = may[i] & space->clear;
-        if (!(may[i] & space->opaque))
+        uint64_t clear = may[i] & c->clear;
+        barrier[i] = clear && p->has_transparency ? clear | c->list : 0;
+        if (!(may[i] & c->opaque))
             continue;
         search.ray = ray_of(r, i);
         search.far = far[i];
-        if (few_block(&search, space, (uint32_t)(may[i] & space->opaque), last))
+        if (few_block(&search, c->few, (uint32_t)(may[i] & c->opaque), last))
             barrier[i] = BARRIER_OPAQUE;
     }
     s->counts.shadow_rays += (unsigned)r->n;
-    s->counts.box_tests += (unsigned long long)r->n * (unsigned)space->few->n;
+    s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
+}
+
+static void blocked_by_each(const struct plan *p, struct scratch *s, const struct rays *r,
+                            const double *far, uint32_t light, uint64_t *barrier)
+{
+    for (int i = 0; i < r->n; i++)
+        barrier[i] = geometry_blocked(p, s, ray_of(r, i), far[i], light) ? BARRIER_OPAQUE
+                     : p->has_transparency ? BARRIER_ANY : 0;
+}
+
+static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *rays,
+                           const double *far, struct blocker *last, uint64_t *barrier)
+{
+    const struct space *world = &p->geometry->space[0];
+    const struct choice all = { world->few, world->opaque, world->clear, 0 };
+
+    for (int at = 0; at < rays->n; at += MANY) {
+        struct rays some = rays_from(rays, at, MANY);
+        blocked_by_choice(p, s, &all, &some, far + at, last, barrier + at);
+    }
+}
+
+/* Keeps what the beam may cross, and says where in the upper half. */
+static uint64_t keep_list(struct scratch *s, const struct few *few)
+{
+    if (s->n_list == MOST_LISTS)
+        return BARRIER_ANY;
+    memcpy(s->list[s->n_list], few->item, (size_t)few->n * sizeof few->item[0]);
+    return (uint64_t)++s->n_list << FEW;
+}
+
+static void blocked_by_beams(const struct plan *p, struct scratch *s, const struct rays *rays,
+                             const double *far, uint32_t light, struct blocker *last,
+                             uint64_t *barrier)
+{
+    struct pace *pace = &s->blocked[light < s->n_blocker ? light : s->n_blocker];
+    struct choice c;
+    bool is_beam;
+
+    s->n_list = 0;
+    for (int at = 0, n; at < rays->n; at += n) {
+        struct rays some = rays_from(rays, at, next_group(pace, rays->n - at, &is_beam));
+        n = some.n;
+        if (!is_beam) {
+            blocked_by_each(p, s, &some, far + at, light, barrier + at);
+        } else if (beam(&p->geometry->space[0], s, &some, far + at, &c)) {
+            beam_went_well(pace, n, c.few->n);
+            c.list = p->has_transparency && c.clear ? keep_list(s, c.few) : 0;
+            blocked_by_choice(p, s, &c, &some, far + at, last, barrier + at);
+        } else {
+            beam_went_badly(pace, n);
+            n = 0;
+        }
+    }
 }
 
 void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
                            const double *far, uint32_t light, uint64_t *barrier)
 {
-    if (!p->geometry->space[0].few) {
-        for (int i = 0; i < rays->n; i++)
-            barrier[i] = geometry_blocked(p, s, ray_of(rays, i), far[i], light) ? BARRIER_OPAQUE
-                         : p->has_transparency ? BARRIER_ANY : 0;
-        return;
-    }
-    for (int at = 0; at < rays->n; at += MANY) {
-        struct rays some = rays_from(rays, at);
-        blocked_by_few(p, s, &some, far + at, light, barrier + at);
-    }
+    const struct space *world = &p->geometry->space[0];
+    struct blocker none = { .is_known = false };
+    struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
+
+    if (world->few)
+        blocked_by_few(p, s, rays, far, last, barrier);
+    else if (world->candidate)
+        blocked_by_beams(p, s, rays, far, light, last, barrier);
+    else
+        blocked_by_each(p, s, rays, far, light, barrier);
 }
 
 /* --- crossings ------------------------------------------------------------- */
@@ -568,12 +756,13 @@ static __attribute__((noinline)) void keep_instance(struct search *s, uint32_t n
 
 static void search_barrier(struct search *s, const struct space *space, uint64_t barrier)
 {
+    uint32_t list = (uint32_t)(barrier >> FEW);
     double far = s->far;
 
-    if (space->few && barrier != BARRIER_ANY)
-        visit_crossings(s, space->few->item, (uint32_t)barrier, &far);
-    else
+    if (barrier & BARRIER_ANY)
         search_space(s, space, visit_crossings);
+    else
+        visit_crossings(s, list ? s->s->list[list - 1] : space->few->item, (uint32_t)barrier, &far);
 }
 
 /* When more were found than could be kept, the search is repeated beyond the
@@ -658,7 +847,7 @@ static void plain_point(const struct leaf *l, const struct meeting *m,
 {
     vec3 n = l->ops ? l->ops->normal(l->shape, out->point, &m->hit) : mesh_normal(l->mesh, &m->hit);
 
-    out->normal = vec_unit(l->inverse ? vec_neg(n) : n);
+    out->normal = l->inverse ? vec_neg(n) : n;
     out->surface = l->surface;
     out->local = out->point;
     out->slack = m->hit.slack;
@@ -682,7 +871,7 @@ static void placed_point(const struct plan *p, const struct leaf *l, const struc
         else
             out->local = ray_at(outer, m->t);
     }
-    out->normal = vec_unit(normal);
+    out->normal = normal;
     out->slack = slack;
 }
 

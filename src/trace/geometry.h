@@ -37,7 +37,8 @@ void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct
                            const uint8_t *mask, struct meeting *out);
 
 /* What stands between points and a light: BARRIER_OPAQUE, nothing (0), or
- * perhaps things that filter light, for geometry_crossings to look at. */
+ * perhaps things that filter light, for geometry_crossings to look at until
+ * the next call of geometry_blocked_many. */
 #define BARRIER_OPAQUE UINT64_MAX
 #define BARRIER_ANY ((uint64_t)1 << 63)     /* nothing is known: look everywhere */
 void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
@@ -55,12 +56,12 @@ size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint
                        size_t room);
 
 /* The surface at a meeting, in the world.  slack: a new ray starts at
- * point +- slack * normal, on the side it goes to. */
+ * point +- slack * unit normal, on the side it goes to. */
 struct surface_point {
     vec3 point;                         /* world */
     vec3 local;                         /* where surface's place applies: in the instance's space
                                            if the look is the instance's own, else equals point */
-    vec3 normal;                        /* world, unit, outward as the solid sees it */
+    vec3 normal;                        /* world, of any length, outward as the solid sees it */
     vec2 uv;
     double slack;                       /* world units */
     uint32_t surface;                   /* of plan->surface */

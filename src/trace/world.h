@@ -28,6 +28,12 @@ struct space {
     size_t n_unbounded;
     struct few *few;                    /* all of it, if it is so little; else NULL */
     uint64_t opaque, clear;             /* bits of few: may block light, may filter it */
+    struct candidate *candidate;        /* of each item of the tree, for beams; NULL: too many */
+};
+
+struct candidate {
+    struct bounds bounds;
+    bool is_opaque, is_clear;           /* may block light, may filter it */
 };
 
 struct geometry {
