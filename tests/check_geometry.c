@@ -706,7 +706,7 @@ static int crossings_of(struct object *o, struct ray ray)
         struct surface_point at;
         geometry_point(p, &ray, &m, &at);
         double side = vec_dot(at.normal, ray.dir) > 0 ? 1 : -1;
-        ray.origin = vec_fma(at.point, side * at.slack, at.normal);
+        ray.origin = vec_fma(at.point, side * at.slack, vec_unit(at.normal));
         n++;
     }
     return n;

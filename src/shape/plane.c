@@ -58,7 +58,7 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
 
     if (!cross(s, ray, &t) || !(t > near && t < far))
         return false;
-    *out = hit_at(ray, t, fabs(s->distance), 0);
+    hit_put(out, ray, t, fabs(s->distance), 0);
     return true;
 }
 

@@ -50,6 +50,15 @@ static inline double slack_at(struct ray ray, double t, double size)
     return 4 * ROUNDING * (vec_sum_abs(ray.origin) + fabs(t) * vec_sum_abs(ray.dir) + size);
 }
 
+/* Member by member: a struct put together and copied at once stalls. */
+static inline void hit_put(struct hit *out, struct ray ray, double t, double size, uint32_t part)
+{
+    out->t = t;
+    out->slack = slack_at(ray, t, size);
+    out->u = out->v = 0;
+    out->part = part;
+}
+
 static inline struct hit hit_at(struct ray ray, double t, double size, uint32_t part)
 {
     return (struct hit) { .t = t, .slack = slack_at(ray, t, size), .part = part };
@@ -121,8 +130,8 @@ INLINE int span_hits(span_cut *cut, const void *self, double size, struct ray ra
 
     if (!span_of(cut, self, ray, &s) || !(fabs(s.near) < INFINITY && fabs(s.far) < INFINITY))
         return 0;
-    out[0] = hit_at(ray, s.near, size, s.near_part);
-    out[1] = hit_at(ray, s.far, size, s.far_part);
+    hit_put(&out[0], ray, s.near, size, s.near_part);
+    hit_put(&out[1], ray, s.far, size, s.far_part);
     return 2;
 }
 
@@ -137,7 +146,7 @@ INLINE bool span_nearest(span_cut *cut, const void *self, double size, struct ra
     double t = first ? s.near : s.far;
     if (!(t > near && t < far))
         return false;
-    *out = hit_at(ray, t, size, first ? s.near_part : s.far_part);
+    hit_put(out, ray, t, size, first ? s.near_part : s.far_part);
     return true;
 }
 

@@ -79,18 +79,6 @@ INLINE many_bits meets_box(const struct bundle *q, const struct few *f, int k, m
     return begin <= end * (1 + rounding);
 }
 
-INLINE void aim_bundle(const struct few *f, const struct rays *r, const double *far, uint64_t always,
-                      int i, uint64_t *may)
-{
-    struct bundle q = bundle_of(r, i);
-    many end = far ? load(far + i) : (many) { 0 } + INFINITY;
-    many_bits bits = (many_bits) { 0 } + (int64_t)always;
-
-    for (int k = 0; k < f->n; k++)
-        bits |= meets_box(&q, f, k, end) & ((many_bits) { 0 } + ((int64_t)1 << k));
-    memcpy(may + i, &bits, sizeof bits);
-}
-
 static bool is_everywhere(const struct few *f, int k)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -99,9 +87,104 @@ static bool is_everywhere(const struct few *f, int k)
     return true;
 }
 
+/* ---- which boxes can be met at all by rays that lie close together ---- */
+
+/* All origins and directions lie between these. */
+struct beam { double o[2][3], d[2][3], far; };
+
+KERNEL static void span_of(int n, const double *restrict v, double out[2])
+{
+    double low = v[0], high = v[0];
+
+    for (int i = 1; i < n; i++) {
+        low = v[i] < low ? v[i] : low;
+        high = v[i] > high ? v[i] : high;
+    }
+    out[0] = low;
+    out[1] = high;
+}
+
+static struct beam beam_of(const struct rays *r, const double *far)
+{
+    const double *o[] = { r->x, r->y, r->z }, *d[] = { r->dx, r->dy, r->dz };
+    struct beam b = { .far = INFINITY };
+    double span[2];
+
+    for (int axis = 0; axis < 3; axis++) {
+        span_of(r->n, o[axis], span);
+        b.o[0][axis] = span[0];
+        b.o[1][axis] = span[1];
+        span_of(r->n, d[axis], span);
+        b.d[0][axis] = span[0];
+        b.d[1][axis] = span[1];
+    }
+    if (far) {
+        span_of(r->n, far, span);
+        b.far = span[1];
+    }
+    return b;
+}
+
+/* t * speed <= way, or >= it: what that leaves of begin..end. */
+static void keep_below(double way, double speed, double *begin, double *end)
+{
+    if (speed > 0)
+        *end = smaller(*end, way / speed);
+    else if (speed < 0)
+        *begin = larger(*begin, way / speed);
+    else if (way < 0)
+        *end = -1;
+}
+
+/* Is there a time at which, on each axis, the slowest ray has not passed the
+ * box and the fastest has reached it? */
+static bool beam_meets(const struct beam *b, const struct few *f, int k)
+{
+    const double loose = 1e-9;          /* far above rounding: this only saves work */
+    double begin = 0, end = b->far;
+
+    for (int axis = 0; axis < 3; axis++) {
+        keep_below(f->side[1][axis][k] - b->o[0][axis], b->d[0][axis], &begin, &end);
+        keep_below(b->o[1][axis] - f->side[0][axis][k], -b->d[1][axis], &begin, &end);
+    }
+    return !(begin > end + loose * (fabs(begin) + fabs(end)));
+}
+
+/* ---- which boxes each ray meets ---- */
+
+struct choice { int n, box[FEW]; uint64_t always; };
+
+static struct choice choose(const struct few *f, const struct rays *r, const double *far)
+{
+    enum { WORTH_IT = 16 };             /* rays */
+    struct beam beam = { .far = INFINITY };
+    struct choice c = { .n = 0 };
+
+    if (r->n >= WORTH_IT)
+        beam = beam_of(r, far);
+    for (int k = 0; k < f->n; k++)
+        if (is_everywhere(f, k))
+            c.always |= (uint64_t)1 << k;
+        else if (r->n < WORTH_IT || beam_meets(&beam, f, k))
+            c.box[c.n++] = k;
+    return c;
+}
+
+INLINE void aim_bundle(const struct few *f, const struct choice *c, const struct rays *r,
+                       const double *far, int i, uint64_t *may)
+{
+    struct bundle q = bundle_of(r, i);
+    many end = far ? load(far + i) : (many) { 0 } + INFINITY;
+    many_bits bits = (many_bits) { 0 } + (int64_t)c->always;
+
+    for (int k = 0; k < c->n; k++)
+        bits |= meets_box(&q, f, c->box[k], end) & ((many_bits) { 0 } + ((int64_t)1 << c->box[k]));
+    memcpy(may + i, &bits, sizeof bits);
+}
+
 /* The last rays, too few for a register, are copied to where one can be read. */
-static void aim_rest(const struct few *f, const struct rays *r, const double *far, uint64_t always,
-                     int i, uint64_t *may)
+static void aim_rest(const struct few *f, const struct choice *c, const struct rays *r,
+                     const double *far, int i, uint64_t *may)
 {
     double copy[7][SIDE_BY_SIDE] = { { 0 } };
     uint64_t bits[SIDE_BY_SIDE];
@@ -113,19 +196,17 @@ static void aim_rest(const struct few *f, const struct rays *r, const double *fa
         memcpy(copy[k], from[k] + i, size);
     if (far)
         memcpy(copy[6], far + i, size);
-    aim_bundle(f, &rest, far ? copy[6] : NULL, always, 0, bits);
+    aim_bundle(f, c, &rest, far ? copy[6] : NULL, 0, bits);
     memcpy(may + i, bits, size);
 }
 
 void few_aim(const struct few *f, const struct rays *r, const double *far, uint64_t *may)
 {
-    uint64_t always = 0;
+    struct choice c = choose(f, r, far);
     int i = 0;
 
-    for (int k = 0; k < f->n; k++)
-        always |= (uint64_t)is_everywhere(f, k) << k;
     for (; i + SIDE_BY_SIDE <= r->n; i += SIDE_BY_SIDE)
-        aim_bundle(f, r, far, always, i, may);
+        aim_bundle(f, &c, r, far, i, may);
     if (i < r->n)
-        aim_rest(f, r, far, always, i, may);
+        aim_rest(f, &c, r, far, i, may);
 }

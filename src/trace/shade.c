@@ -1,6 +1,7 @@
 /* shade.c: points become light on the film (facts shading.md 2.3, 2.4, 2.6). */
 #include "trace/shade.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "math/kernel.h"
@@ -674,6 +675,22 @@ static void gather(const struct worker *w, const struct task *task, int i, struc
     b->dz[i] = d.z;
 }
 
+/* As vec_unit, to the bit, for arrays. */
+KERNEL static void unit_length(int n, double *restrict x, double *restrict y, double *restrict z)
+{
+    for (int i = 0; i < n; i++) {
+        double big = larger(fabs(x[i]), larger(fabs(y[i]), fabs(z[i])));
+        double rescue = 1 / big;
+        double scale = big < 1e-100 || big > 1e100 ? rescue : 1;
+        double a = x[i] * scale, b = y[i] * scale, c = z[i] * scale;
+        double inverse = 1 / sqrt(a * a + b * b + c * c);
+        bool is_none = !(big > 0) || big > DBL_MAX;
+        x[i] = is_none ? 0 : a * inverse;
+        y[i] = is_none ? 0 : b * inverse;
+        z[i] = is_none ? 0 : c * inverse;
+    }
+}
+
 void shade_tasks(struct worker *w, const struct task *task, int n)
 {
     struct batch b;
@@ -681,6 +698,7 @@ void shade_tasks(struct worker *w, const struct task *task, int n)
     b.n = n;
     for (int i = 0; i < n; i++)
         gather(w, task, i, &b);
+    unit_length(n, b.nx, b.ny, b.nz);
     for (size_t k = 0; k < w->shader->n_lamp; k++)
         memset(w->shadows.known + k * BATCH, 0, (size_t)n * sizeof *w->shadows.known);
     shade_batch(w, &b);

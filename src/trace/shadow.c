@@ -82,7 +82,7 @@ static float caustic(const struct surface *s, vec3 normal, vec3 dir)
 {
     if (!s->interior || !(s->interior->caustics != 0))
         return 1;
-    return (float)(1 + pow(fabs(vec_dot(normal, dir)), 45 * s->interior->caustics));
+    return (float)(1 + pow(fabs(vec_dot(vec_unit(normal), dir)), 45 * s->interior->caustics));
 }
 
 static int layers_of(const struct program *p) { return p->kind == PROGRAM_LAYERS ? p->n_layer : 1; }
