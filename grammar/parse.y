@@ -36,6 +36,7 @@ int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
 static void yyerror(YYLTYPE *at, struct parse *p, const char *message);
 static struct ast *pending(struct parse *p);
 static struct ast *take(struct ast *list, struct parse *p);
+static bool statement(struct parse *p, struct ast *item, int ahead);
 static struct ast *word_node(struct parse *p, struct loc at, struct name *w);
 static struct ast *block_node(struct parse *p, struct loc at, struct name *w,
                               struct ast *body);
@@ -89,7 +90,10 @@ static struct ast *splice_node(struct parse *p, struct loc at, struct ast *direc
 
 %%
 
-file: items                         { p->root = $1; };
+file: %empty
+    | file item                     { if (!statement(p, $2, yychar)) YYACCEPT; }
+    | file error                    { take(p->root, p); }
+    ;
 
 items: %empty                       { $$ = ast_list(p, @$); }
     | items item                    { $$ = ast_add($1, $2); }
@@ -474,6 +478,8 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     if (token == YYSYMBOL_YYEOF)
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected end of the text%s",
                                used ? text : "");
+    else if (*source == '=' && at.begin > 0 && source[-1] == '=')
+        p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '='; equality is a single '='");
     else if (*source == '=')
         p->pending = ast_error(p, at, (struct loc) { 0 },
                                "unexpected '='; a name gets its value with #declare NAME = VALUE;");
@@ -492,6 +498,42 @@ static void yyerror(YYLTYPE *at, struct parse *p, const char *message)
     p->deep = true;
 }
 
+/* --- the top level ------------------------------------------------------------ */
+
+/* Words, names and values may belong to what follows, a message may make the
+ * next items meaningless. */
+static bool may_run(const struct parse *p, const struct ast *item)
+{
+    return item->kind == AST_BLOCK || item->kind >= AST_DECLARE
+        || (item->kind == AST_CALL && p->root->first == item);
+}
+
+/* The token that was looked at already may have a node, in memory that is not
+ * to be used again. */
+static void forget(struct parse *p, int ahead)
+{
+    bool has_node = ahead == TEXT || ahead == CONSTANTS || ahead == BULK || ahead == BAD
+        || (ahead >= MISSING_BRACE && ahead <= MISSING_END);
+
+    p->root->first = p->root->last = NULL;
+    if (!p->keep && !has_node)
+        arena_recycle(p->mem, p->mark);
+    p->mark = arena_mark(p->mem);
+    p->keep = ahead == MACRO || ahead == FUNCTION || has_node;
+}
+
+/* False: nothing more shall be read. */
+static bool statement(struct parse *p, struct ast *item, int ahead)
+{
+    ast_add(p->root, item);
+    if (!p->run || !may_run(p, item))
+        return true;
+    scanner_uncover(p);
+    p->run(p->lang, p->root);
+    forget(p, ahead);
+    return !p->lang->stopped;
+}
+
 struct parse *parse_start(struct lang *l, uint32_t source)
 {
     const struct source *text = source_at(l->sources, source);
@@ -505,21 +547,37 @@ struct parse *parse_start(struct lang *l, uint32_t source)
     return scanner_start(p) ? p : NULL;
 }
 
+static void parse_all(struct parse *p)
+{
+    uint32_t end = (uint32_t)p->size;
+
+    p->root = ast_list(p, (struct loc) { 0 });
+    p->root->close = (struct loc) { p->source, end, end };
+    p->unclosed = ast_list(p, p->root->close);
+    p->mark = arena_mark(p->mem);
+    yyparse(p);
+    scanner_end(p);
+    ast_add(p->root, pending(p));
+    ast_add(p->root, p->unclosed->first);       /* #ends that are missing are missed at the end */
+}
+
 struct ast *parse_source(struct lang *l, uint32_t source)
 {
     struct parse *p = parse_start(l, source);
-    struct loc all = { source, 0, (uint32_t)source_at(l->sources, source)->size };
 
-    p->unclosed = ast_list(p, all);
-    yyparse(p);
-    scanner_end(p);
-    if (!p->root)
-        p->root = ast_list(p, all);
-    p->root->at = (struct loc) { 0 };
-    p->root->close = (struct loc) { source, all.end, all.end };
-    ast_add(p->root, pending(p));
-    ast_add(p->root, p->unclosed->first);       /* #ends that are missing are missed at the end */
+    parse_all(p);
     return p->root;
+}
+
+void parse_and_run(struct lang *l, uint32_t source,
+                   void (*run)(struct lang *l, const struct ast *statements))
+{
+    struct parse *p = parse_start(l, source);
+
+    p->mem = &l->statements;
+    p->run = run;
+    parse_all(p);
+    run(l, p->root);
 }
 
 void scanner_dump(struct lang *l, uint32_t source, FILE *out)

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/arena.h"
@@ -130,9 +131,15 @@ static int fail(const struct run *r)
 
 static bool dump_text(struct run *r)
 {
+    const struct ast *tree;
+
     if (r->o->task == TASK_DUMP_TOKENS)
         lang_dump_tokens(r->lang, r->o->scene, stdout);
-    return r->o->task == TASK_DUMP_TOKENS;
+    else if (r->o->task != TASK_DUMP_AST)
+        return false;
+    else if ((tree = lang_parse(r->lang, r->o->scene)))
+        lang_dump_ast(r->lang, tree, stdout);
+    return true;
 }
 
 /* bytes -> tokens -> AST -> values -> scene; NULL: there is none, or the
@@ -141,12 +148,7 @@ static struct scene *read_scene(struct run *r)
 {
     if (dump_text(r))
         return NULL;
-    const struct ast *tree = lang_parse(r->lang, r->o->scene);
-    if (tree && r->o->task == TASK_DUMP_AST)
-        lang_dump_ast(r->lang, tree, stdout);
-    if (!tree || r->o->task == TASK_DUMP_AST)
-        return NULL;
-    struct scene *scene = lang_build(r->lang, tree);
+    struct scene *scene = lang_read(r->lang, r->o->scene);
     if (r->o->task == TASK_DUMP_SCENE && scene && !r->diag.errors)
         scene_dump(scene, stdout);
     return scene;
@@ -186,7 +188,8 @@ static int render_rows(struct run *r, const struct plan *plan, struct picture *p
     bool whole = r->engine->render(plan, ro, &r->stats.render);
     progress_end(&p->progress);
     r->stats.write = p->write_seconds;
-    if (!picture_close(p, !p->error) || p->error)
+    /* A frame that lacks rows would be taken for a whole one by --resume. */
+    if (!picture_close(p, !p->error && (whole || !r->frame)) || p->error)
         return cannot_write(p);
     return whole ? EXIT_OK : EXIT_INTERRUPTED;
 }
@@ -289,6 +292,15 @@ static int run_frame(const struct options *o, const struct engine *engine, int f
     return status;
 }
 
+/* A picture gets its name when it is whole. */
+static bool is_made(const struct options *o, int frame)
+{
+    struct stat st;
+
+    return o->resume && o->task == TASK_RENDER && !o->no_file &&
+           stat(places_output(o, frame), &st) == 0 && S_ISREG(st.st_mode);
+}
+
 static int run_all(const struct options *o, const struct engine *engine)
 {
     struct frames f = frames_of(&o->animation);
@@ -296,7 +308,7 @@ static int run_all(const struct options *o, const struct engine *engine)
     if (!o->animation.is_on)
         return run_frame(o, engine, 0);
     for (int frame = f.first; frame <= f.last; frame += f.step) {
-        int status = run_frame(o, engine, frame);
+        int status = is_made(o, frame) ? EXIT_OK : run_frame(o, engine, frame);
         if (status != EXIT_OK)
             return status;
     }

@@ -12,7 +12,7 @@ struct arena_block {
     size_t size, used;                  /* bytes, this header included */
 };
 
-enum { ALIGN = 16, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22 };
+enum { ALIGN = 16, HEADER = (sizeof(struct arena_block) + 15) & ~15, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22 };
 
 void arena_init(struct arena *a, struct budget *budget)
 {
@@ -51,7 +51,7 @@ static struct arena_block *new_block(struct arena *a, size_t need)
     if (!b)
         fail(a);
     b->size = size;
-    b->used = (sizeof *b + ALIGN - 1) & ~(size_t)(ALIGN - 1);
+    b->used = HEADER;
     b->before = a->block;
     a->block = b;
     return b;
@@ -127,6 +127,39 @@ size_t arena_size(const struct arena *a)
     for (const struct arena_block *b = a->block; b; b = b->before)
         size += b->size;
     return size;
+}
+
+struct arena_mark arena_mark(const struct arena *a)
+{
+    return (struct arena_mark) { a->block, a->block ? a->block->used : 0 };
+}
+
+static void drop_block(struct arena *a)
+{
+    struct arena_block *b = a->block;
+
+    a->block = b->before;
+    if (a->budget)
+        atomic_fetch_sub(&a->budget->used, b->size);
+    free(b);
+}
+
+static void clear(struct arena_block *b, size_t from)
+{
+    if (b->used > from)
+        memset((char *)b + from, 0, b->used - from);
+    b->used = from;
+}
+
+/* A block of the usual size that was begun after the mark is kept, so that
+ * the next round finds its memory at hand. */
+void arena_recycle(struct arena *a, struct arena_mark mark)
+{
+    while (a->block != mark.block
+           && (a->block->before != mark.block || a->block->size > LARGEST_STEP))
+        drop_block(a);
+    if (a->block)
+        clear(a->block, a->block == mark.block ? mark.used : HEADER);
 }
 
 void arena_free(struct arena *a)

@@ -30,6 +30,15 @@ char *arena_format(struct arena *a, const char *format, ...)
 size_t arena_size(const struct arena *a);           /* bytes taken from the system */
 void arena_free(struct arena *a);                   /* everything; the arena may be used again */
 
+/* A place to go back to: what was made after the mark is given up and its memory
+ * used again. */
+struct arena_mark {
+    struct arena_block *block;
+    size_t used;
+};
+struct arena_mark arena_mark(const struct arena *a);
+void arena_recycle(struct arena *a, struct arena_mark mark);
+
 /* Grows the array *items of *room items of the given size so that one more
  * fits behind n; the old copy stays in the arena until it ends. */
 void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t size);

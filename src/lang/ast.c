@@ -82,12 +82,43 @@ struct ast *ast_pack(struct ast *list)
     return list;
 }
 
+/* What cannot stand in ( ) or < >, behind a value and without a comma. */
+static bool is_stranger(const struct ast *a, const struct ast *before)
+{
+    return (a->kind == AST_WORD || a->kind == AST_BLOCK) && a->name && before
+           && ast_is_value(before);
+}
+
+/* A bracket that is never closed: the list ends where something stands that
+ * cannot be in it, which is where the message points. */
+static void end_early(struct parse *p, struct ast *list)
+{
+    const char *text = p->pending->text;
+    bool angle = strcmp(text, "missing '>'") == 0;
+    struct ast *before = NULL, *a = list->first;
+
+    if (!angle && strcmp(text, "missing ')'") != 0)
+        return;
+    while (a && !is_stranger(a, before)) {
+        before = a;
+        a = a->next;
+    }
+    if (!a)
+        return;
+    p->pending = ast_error(p, a->at, p->pending->other, "expected %s, found '%s'",
+                           angle ? "'>'" : "',' or ')'", a->name->text);
+    before->next = NULL;
+    list->last = before;
+}
+
 /* What was wrong with the closing bracket is said at the end of the list. */
 struct ast *ast_close(struct parse *p, struct ast *list, struct loc open, struct loc close)
 {
     list->at = open;
     list->close = close;
     list->flags |= AST_CLOSED;
+    if (p->pending && p->pending->other.source)
+        end_early(p, list);
     ast_add(list, p->pending);
     p->pending = NULL;
     return list;
@@ -194,5 +225,6 @@ struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const ch
     va_end(args);
     node->text = arena_text(p->mem, text, strlen(text));
     node->other = other;
+    p->keep = true;
     return node;
 }

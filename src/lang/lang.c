@@ -22,11 +22,15 @@ static void add_context(struct diag *d, void *arg)
 {
     struct lang *l = arg;
     int notes = 0;
+    struct loc last = { 0 };
 
     for (unsigned i = l->n_frame; i-- > 0;) {
         const struct frame *f = &l->frame[i];
         if (f->kind != FRAME_MACRO && f->kind != FRAME_INCLUDE)
             continue;
+        if (memcmp(&f->at, &last, sizeof last) == 0)
+            continue;                   /* a macro that calls itself */
+        last = f->at;
         if (++notes > MOST_NOTES)
             return;
         if (f->kind == FRAME_MACRO)
@@ -113,6 +117,7 @@ struct lang *lang_new(const struct lang_setup *setup)
 
     l->setup = *setup;
     l->mem = setup->mem;
+    arena_init(&l->statements, l->mem->budget);
     l->scene_mem = setup->scene_mem;
     l->sources = setup->sources;
     l->diag = setup->diag;
@@ -159,11 +164,14 @@ static void build_items(struct lang *l, const struct ast *tree)
     struct reader r;
 
     reader_open(&r, l, tree);
+    if (l->skipping)
+        reader_resume(&r);
     while (!l->stopped && reader_peek(&r)->kind != ITEM_END) {
         struct item i = reader_next(&r);
         unsigned errors = l->diag->errors;
         build_statement(l, &r, i);
-        if (errors != l->diag->errors && i.kind != ITEM_BLOCK)
+        l->skipping = errors != l->diag->errors && i.kind != ITEM_BLOCK;
+        if (l->skipping)
             reader_resume(&r);
         r.failed = false;
         l->stopped = l->stopped || l->diag->full;
@@ -171,22 +179,44 @@ static void build_items(struct lang *l, const struct ast *tree)
     reader_close(&r);
 }
 
-struct scene *lang_build(struct lang *l, const struct ast *tree)
+static void begin_scene(struct lang *l)
 {
     l->scene = arena_alloc(l->scene_mem, sizeof *l->scene);
     scene_init(l->scene, l->scene_mem);
     build_version(l);
-    if (tree)
-        build_items(l, tree);
+}
+
+static struct scene *end_scene(struct lang *l)
+{
     build_end(l);
     message_end(l);
     files_end(l);
     return l->scene;
 }
 
+struct scene *lang_build(struct lang *l, const struct ast *tree)
+{
+    begin_scene(l);
+    if (tree)
+        build_items(l, tree);
+    return end_scene(l);
+}
+
+struct scene *lang_read(struct lang *l, const char *path)
+{
+    uint32_t number;
+
+    if (!open_scene(l, path, &number))
+        return NULL;
+    begin_scene(l);
+    parse_and_run(l, number, build_items);
+    return end_scene(l);
+}
+
 void lang_free(struct lang *l)
 {
     files_end(l);
+    arena_free(&l->statements);
     if (l->diag->context_arg == l)
         l->diag->context = NULL;
 }

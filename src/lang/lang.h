@@ -45,10 +45,16 @@ const struct ast *lang_parse(struct lang *l, const char *path);
 /* AST -> values -> scene.  Look at diag->errors afterwards. */
 struct scene *lang_build(struct lang *l, const struct ast *tree);
 
+/* Both at once: each statement is carried out as soon as it has been read, and
+ * most of its tree is given up then, so that memory grows with the scene only.
+ * NULL: the file could not be read. */
+struct scene *lang_read(struct lang *l, const char *path);
+
 void lang_dump_tokens(struct lang *l, const char *path, FILE *out);     /* --dump=tokens */
 void lang_dump_ast(const struct lang *l, const struct ast *tree, FILE *out);
 bool lang_limit_reached(const struct lang *l);       /* then the program ends with EXIT_LIMIT */
-void lang_free(struct lang *l);         /* closes files that the scene left open */
+void lang_free(struct lang *l);         /* closes files that the scene left open,
+                                           and frees what is not in mem */
 
 /* All reserved words with their one-line help, from the tables: for the
  * manual and for completion. */

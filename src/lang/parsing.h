@@ -58,14 +58,23 @@ struct parse {
     unsigned declaring_at;      /* n_open there */
     unsigned value_at;          /* n_open + 1 in a declaration's value, else 0 */
     struct ast *root;
+    void (*run)(struct lang *l, const struct ast *statements);      /* NULL: the tree is kept */
+    struct arena_mark mark;     /* the tree of the statements that are read begins here */
+    bool keep;                  /* values may point into it */
 };
 
 /* Parses a text that is one of the sources; never NULL. */
 struct ast *parse_source(struct lang *l, uint32_t source);
 
+/* The same, but each statement of the top level is run as soon as it has been
+ * read, and its tree given up unless it holds macros, functions or texts. */
+void parse_and_run(struct lang *l, uint32_t source,
+                   void (*run)(struct lang *l, const struct ast *statements));
+
 /* In the scanner (scan.l). */
 bool scanner_start(struct parse *p);
 void scanner_end(struct parse *p);
+void scanner_uncover(struct parse *p);      /* makes the text whole until the next token */
 void scanner_dump(struct lang *l, uint32_t source, FILE *out);      /* in parse.y: it names tokens */
 struct parse *parse_start(struct lang *l, uint32_t source);
 

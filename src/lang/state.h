@@ -30,6 +30,7 @@ struct lang {
     struct lang_setup setup;
     const char *folder;                 /* the scene's own, with a final "/" or empty */
     struct arena *mem;                  /* tree and values */
+    struct arena statements;            /* the tree of a text that is run while it is read */
     struct arena *scene_mem;            /* what is part of the scene or of a declared thing */
     struct sources *sources;
     struct diag *diag;
@@ -67,6 +68,7 @@ struct lang {
     char *warning_line;
     size_t n_warning, room_warning;
 
+    bool skipping;                      /* on to the next block or directive of the top level */
     bool stopped;                       /* read nothing more */
     bool limit_reached;                 /* exit code 4 */
 };
