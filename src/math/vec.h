@@ -56,6 +56,15 @@ static inline vec3 vec_unit(vec3 a)
     return vec_scale(a, 1 / vec_length(a));
 }
 
+/* For what is of unit length but for rounding: one step of Newton's method,
+ * without a root or a division. */
+static inline vec3 vec_unit_again(vec3 a)
+{
+    double square = vec_dot(a, a);
+
+    return fabs(square - 1) < 1e-8 ? vec_scale(a, 1.5 - 0.5 * square) : vec_unit(a);
+}
+
 static inline bool vec_is_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 
 static inline rgb rgb_of(float r, float g, float b) { return (rgb) { r, g, b }; }

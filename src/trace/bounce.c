@@ -67,7 +67,7 @@ static struct wave_ray ray_from(const struct corner *c, vec3 dir, double side)
     const struct wave *w = &c->w->now;
 
     return (struct wave_ray) {
-        .ray = { vec_fma(c->point, side * c->slack, c->normal), vec_unit(dir) },
+        .ray = { vec_fma(c->point, side * c->slack, c->normal), vec_unit_again(dir) },
         .weight = weight_of(c), .pixel = w->pixel[c->hit], .inside = w->inside[c->hit],
         .depth = (uint16_t)(w->depth[c->hit] + 1), .mask = w->mask[c->hit] };
 }

@@ -92,16 +92,27 @@ static bool is_everywhere(const struct few *f, int k)
 /* All origins and directions lie between these. */
 struct beam { double o[2][3], d[2][3], far; };
 
-KERNEL static void span_of(int n, const double *restrict v, double out[2])
+/* The compiler does not dare to: the order matters for NaN. */
+static void span_of(int n, const double *v, double out[2])
 {
-    double low = v[0], high = v[0];
+    many low = (many) { 0 } + v[0], high = low;
+    int i = 0;
 
-    for (int i = 1; i < n; i++) {
-        low = v[i] < low ? v[i] : low;
-        high = v[i] > high ? v[i] : high;
+    for (; i + SIDE_BY_SIDE <= n; i += SIDE_BY_SIDE) {
+        many a = load(v + i);
+        low = either(a < low, a, low);
+        high = either(a > high, a, high);
     }
-    out[0] = low;
-    out[1] = high;
+    out[0] = low[0];
+    out[1] = high[0];
+    for (int k = 1; k < SIDE_BY_SIDE; k++) {
+        out[0] = smaller(out[0], low[k]);
+        out[1] = larger(out[1], high[k]);
+    }
+    for (; i < n; i++) {
+        out[0] = smaller(out[0], v[i]);
+        out[1] = larger(out[1], v[i]);
+    }
 }
 
 static struct beam beam_of(const struct rays *r, const double *far)

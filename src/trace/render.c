@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "math/kernel.h"
 #include "trace/worker.h"
 
 enum {
@@ -66,18 +67,28 @@ static struct tile tile_at(const struct gang *g, unsigned long number)
 struct aims {
     int n;
     uint32_t pixel[BATCH];              /* of the tile */
+    double x[BATCH], y[BATCH];          /* of the picture's pixel */
+    double column[BATCH], row[BATCH];   /* of the sample in it */
     double u[BATCH], v[BATCH];
 };
 
 static void add_aim(struct aims *a, const struct render_options *o, const struct tile *t,
                     unsigned pixel, unsigned s)
 {
-    unsigned side = o->samples_side, x = t->x + pixel % t->width, y = t->y + pixel / t->width;
-    double fx = (s % side + 0.5) / side, fy = (s / side + 0.5) / side;
+    int i = a->n++;
 
-    a->pixel[a->n] = pixel;
-    a->u[a->n] = (o->crop_x + x + fx) / o->width;
-    a->v[a->n++] = (o->crop_y + y + fy) / o->height;
+    a->pixel[i] = pixel;
+    a->x[i] = o->crop_x + t->x + pixel % t->width;
+    a->y[i] = o->crop_y + t->y + pixel / t->width;
+    a->column[i] = s % o->samples_side;
+    a->row[i] = s / o->samples_side;
+}
+
+KERNEL static void place(int n, const double *restrict pixel, const double *restrict sample,
+                         double side, double size, double *restrict out)
+{
+    for (int i = 0; i < n; i++)
+        out[i] = (pixel[i] + (sample[i] + 0.5) / side) / size;
 }
 
 static struct wave_ray camera_ray(const struct worker *w, uint32_t pixel)
@@ -114,8 +125,10 @@ static void shoot_one(struct worker *w, uint32_t pixel, double u, double v)
     wave_push(&w->now, &r);
 }
 
-static void shoot(struct worker *w, struct aims *a)
+static void shoot(struct worker *w, const struct render_options *o, struct aims *a)
 {
+    place(a->n, a->x, a->column, o->samples_side, o->width, a->u);
+    place(a->n, a->y, a->row, o->samples_side, o->height, a->v);
     if (w->lens.kind == CAMERA_PERSPECTIVE)
         shoot_fan(w, a);
     else
@@ -136,10 +149,10 @@ static void aim(struct worker *w, const struct render_options *o, const struct t
         for (unsigned k = s; k < end; k++) {
             add_aim(&a, o, t, pixel, k);
             if (a.n == BATCH)
-                shoot(w, &a);
+                shoot(w, o, &a);
         }
     if (a.n)
-        shoot(w, &a);
+        shoot(w, o, &a);
 }
 
 static void trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
