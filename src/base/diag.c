@@ -31,17 +31,34 @@ static const char *paint(const struct diag *d, const char *code)
     return d->colour ? code : "";
 }
 
+/* How many bytes of text are one character of UTF-8; 0: none is. */
+static size_t utf8_length(const unsigned char *text, size_t left)
+{
+    size_t n = *text < 0x80 ? 1 : *text < 0xc2 ? 0 : *text < 0xe0 ? 2 : *text < 0xf0 ? 3
+        : *text < 0xf5 ? 4 : 0;
+
+    if (n > left || (*text == 0xe0 && text[1] < 0xa0) || (*text == 0xed && text[1] > 0x9f)
+        || (*text == 0xf0 && text[1] < 0x90) || (*text == 0xf4 && text[1] > 0x8f))
+        return 0;
+    for (size_t i = 1; i < n; i++)
+        if ((text[i] & 0xc0) != 0x80)
+            return 0;
+    return n;
+}
+
+/* Bytes that are not UTF-8 are taken as Latin-1, as old scenes have them. */
 static void json_text(FILE *out, const char *text, size_t length)
 {
     fputc('"', out);
-    for (size_t i = 0; i < length; i++) {
+    for (size_t i = 0, n; i < length; i += n ? n : 1) {
         unsigned char c = (unsigned char)text[i];
+        n = utf8_length((const unsigned char *)text + i, length - i);
         if (c == '"' || c == '\\')
             fprintf(out, "\\%c", c);
-        else if (c < 0x20)
+        else if (c < 0x20 || c == 0x7f || n == 0)
             fprintf(out, "\\u%04x", c);
         else
-            fputc(c, out);
+            fwrite(text + i, 1, n, out);
     }
     fputc('"', out);
 }
@@ -131,12 +148,22 @@ static void text_message(struct diag *d, enum severity severity, struct loc at, 
         show_source(d, at);
 }
 
+/* A scene's own words must not steer the terminal. */
+static void tame(char *text)
+{
+    for (; *text; text++)
+        if (((unsigned char)*text < 0x20 && *text != '\n' && *text != '\t') || *text == 0x7f)
+            *text = '?';
+}
+
 static void message(struct diag *d, enum severity severity, struct loc at, const char *format,
                     va_list args)
 {
     char text[1024];
 
     vsnprintf(text, sizeof text, format, args);
+    if (d->style != DIAG_JSON)
+        tame(text);
     if (d->style == DIAG_JSON)
         json_message(d, severity, at, text);
     else

@@ -260,7 +260,7 @@ static bool read_declare(struct options *o, const struct setting *row, bool on, 
     (void)on;
     if (length > 1 && strchr("'\"", value[0]) && value[length - 1] == value[0])
         value = arena_text(o->mem, value + 1, length - 2);
-    if (!strchr(value, '=') || value[0] == '=')
+    if (!strchr(value, '=') || strchr("=0123456789", value[0]))
         return option_error("%s: not NAME=VALUE: '%s'", called(row), value);
     list_add(o, &o->declare, value);
     return true;
@@ -305,7 +305,7 @@ static const struct setting table[] = {
     { "EC", "End_Column", read_real, AT(part[1]), 0, 1000000, NULL },
     { "SR", "Start_Row", read_real, AT(part[2]), 0, 1000000, NULL },
     { "ER", "End_Row", read_real, AT(part[3]), 0, 1000000, NULL },
-    { "C", "Continue_Trace", refuse_on, 0, 0, 0, "resuming is not supported yet" },
+    { "C", "Continue_Trace", read_flag, AT(resume), 0, 0, NULL },
     { "D", "Display", nothing, 0, 0, 0, NULL },
     { "P", "Pause_When_Done", nothing, 0, 0, 0, NULL },
     { "V", "Verbose", nothing, 0, 0, 0, NULL },

@@ -64,8 +64,12 @@ static bool offset(struct lang *l, const struct array *a, const struct ast *node
         if (!evaluate_number(l, *subscript, "a number as subscript", &x))
             return false;
         if (!(floor(x + slack) >= 0) || !(floor(x + slack) < (double)a->size[d])) {
-            diag_error(l->diag, (*subscript)->at, "subscript %g is outside of 0 to %zu", x,
-                       a->size[d] - 1);
+            const struct ast *said = (*subscript)->first;
+            const struct binding *b = scope_find(node->name);
+            diag_error(l->diag, said ? said->at : (*subscript)->at,
+                       "subscript %g is outside of 0 to %zu", x, a->size[d] - 1);
+            if (b && b->at.source)
+                diag_note(l->diag, b->at, "'%s' is declared here", node->name->text);
             return false;
         }
         *at = *at * a->size[d] + (size_t)(x + slack);

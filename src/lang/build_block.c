@@ -46,6 +46,19 @@ vec3 build_vector(struct reader *r, bool comma, const char *what)
 
 /* --- messages ---------------------------------------------------------------- */
 
+/* What follows an unknown word is its values: nothing is said about them. */
+static void skip_values(struct lang *l)
+{
+    struct reader *r = l->reader;
+
+    if (!r || l->stopped)
+        return;
+    while (reader_peek(r)->kind == ITEM_COMMA
+           || (reader_peek(r)->kind == ITEM_VALUE && !item_is_object(reader_peek(r))))
+        reader_next(r);
+    r->failed = true;
+}
+
 static const char *table_guess(struct lang *l, const struct item *i,
                                const struct field *const *tables)
 {
@@ -73,7 +86,12 @@ static void unknown_name(struct lang *l, const struct item *i, const char *block
         return;
     }
     guess_names(&g, l);
-    diag_error(l->diag, i->at, "undeclared name '%s' in %s%s", i->text, block, guess_text(&g, l));
+    for (const char *const *word = colour_words; *word; word++)
+        guess_try(&g, *word);
+    const char *file = guess_include(l, i->text);
+    diag_error(l->diag, i->at, "undeclared name '%s' in %s%s", i->text, block,
+               file ? arena_format(l->mem, "; #include \"%s\" declares it", file)
+               : guess_text(&g, l));
 }
 
 void build_unknown(struct lang *l, const struct item *i, const char *block,
@@ -82,6 +100,7 @@ void build_unknown(struct lang *l, const struct item *i, const char *block,
     switch (i->kind) {
     case ITEM_NAME:
         unknown_name(l, i, block, tables);
+        skip_values(l);
         return;
     case ITEM_WORD: case ITEM_BLOCK:
         if (is_statement(i)) {
@@ -89,9 +108,13 @@ void build_unknown(struct lang *l, const struct item *i, const char *block,
                        i->text, block);
             if (l->reader && l->reader->brace.source)
                 diag_note(l->diag, l->reader->brace, "%s begins here", block);
+            if (l->reader)
+                l->reader->unclosed = true;
         } else
             diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
                        table_guess(l, i, tables));
+        if (i->kind == ITEM_WORD)
+            skip_values(l);
         return;
     default:
         if (!l->reader || !l->reader->failed)       /* else it is what a number was missed for */
@@ -115,7 +138,7 @@ void build_wrong(struct lang *l, const struct item *block, const char *format, .
 const struct field *field_find(const struct field *table, const char *word)
 {
     for (; table && table->name; table++)
-        if (strcmp(table->name, word) == 0)
+        if (table->name[0] == word[0] && strcmp(table->name, word) == 0)
             return table;
     return NULL;
 }
@@ -239,21 +262,15 @@ const struct field transform_fields[] = {
     FIELD_END,
 };
 
-static double not_zero(struct reader *r, struct loc at, double x)
-{
-    if (x != 0)
-        return x;
-    diag_warning(r->lang->diag, at, "scale by 0 in one direction: taken as 1");
-    return 1;
-}
-
 static struct transform read_scale(struct reader *r)
 {
     struct loc at = reader_at(r);
     vec3 by = build_vector(r, false, "scale");
 
-    return transform_scale(vec(not_zero(r, at, by.x), not_zero(r, at, by.y),
-                               not_zero(r, at, by.z)));
+    if (by.x == 0 || by.y == 0 || by.z == 0)
+        diag_warning(r->lang->diag, at, "scale by 0 flattens: 0 is taken as 1");
+    return transform_scale(vec(by.x != 0 ? by.x : 1, by.y != 0 ? by.y : 1,
+                               by.z != 0 ? by.z : 1));
 }
 
 static struct transform read_matrix(struct reader *r)

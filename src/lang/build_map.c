@@ -9,6 +9,7 @@ enum { MOST_ENTRIES = 256 };            /* POV-Ray's limit */
 struct entries {
     struct map_entry *entry;
     size_t n, room;
+    bool falls;                         /* which was said */
 };
 
 static struct map_entry *add(struct lang *l, struct entries *e)
@@ -79,12 +80,27 @@ static void read_thing(struct lang *l, struct reader *r, struct entries *e, enum
         one->texture = build_texture_body(r, entry);
 }
 
+/* Entries that fall are never seen, or cut the one before short: said once a
+ * map, at the first.  n: how many there were before this one. */
+static void check_order(struct lang *l, struct entries *e, size_t n, struct loc at,
+                        const char *map)
+{
+    for (size_t i = n > 0 ? n : 1; i < e->n && !e->falls; i++) {
+        e->falls = e->entry[i].value < e->entry[i - 1].value;
+        if (e->falls)
+            diag_warning(l->diag, at, "the entries of this %s do not rise: %g after %g", map,
+                         e->entry[i].value, e->entry[i - 1].value);
+    }
+}
+
 static void read_entry(struct lang *l, const struct item *i, enum value_type type,
-                       struct entries *e)
+                       struct entries *e, const char *map)
 {
     struct reader r;
+    size_t before = e->n;
 
     reader_open(&r, l, i->body);
+    struct loc at = reader_at(&r);
     if (type == VALUE_COLOUR_MAP)
         read_colours(l, &r, e);
     else if (type == VALUE_SLOPE_MAP)
@@ -94,6 +110,7 @@ static void read_entry(struct lang *l, const struct item *i, enum value_type typ
     if (reader_peek(&r)->kind != ITEM_END)
         build_unknown(l, reader_peek(&r), "a map's entry", NULL);
     reader_close(&r);
+    check_order(l, e, before, at, map);
 }
 
 static bool finish_map(struct lang *l, const struct item *block, enum value_type type,
@@ -121,7 +138,7 @@ static bool make_map(struct lang *l, const struct item *block, enum value_type t
     const struct map *whole = type == VALUE_DENSITY_MAP ? NULL : build_start(&r, type);
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
         if (i.kind == ITEM_ENTRY && !whole)
-            read_entry(l, &i, type, &e);
+            read_entry(l, &i, type, &e, block->text);
         else
             build_unknown(l, &i, block->text, NULL);
     }

@@ -3,16 +3,19 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/frame.h"
 
 /* A mesh under construction: lists that grow in the tree's arena and are
- * copied, at their true size, into the scene's. */
-struct list { void *item; size_t n, room; };
+ * copied, at their true size, into the scene's; where the size is known at
+ * first, they begin there. */
+struct list { void *item; size_t n, room; bool in_scene; };
 
 struct making {
     struct lang *lang;
     struct object *object;
     struct mesh *mesh;
     struct list vertex, normal, uv, face, texture;
+    bool said;                          /* that a triangle is degenerate */
     bool has_faces;                     /* mesh2: group 1 is over */
     bool has_vertices, has_normals, has_uvs, has_textures, has_uv_indices, has_normal_indices;
 };
@@ -31,12 +34,35 @@ const struct field mesh_fields[] = {
 
 static void *push(struct making *m, struct list *list, size_t size)
 {
+    list->in_scene = list->in_scene && list->n < list->room;
     list->item = arena_grow(m->lang->mem, list->item, list->n, &list->room, size);
     return (char *)list->item + size * list->n++;
 }
 
+/* How many constants stand next in one run: as many as will surely come. */
+static size_t run_length(struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    return a && a->kind == AST_BULK ? a->bulk.n : 0;
+}
+
+/* Of the n things that are announced, one more than stand in a run: no comma
+ * follows the last. */
+static void reserve(struct making *m, struct list *list, size_t sure, size_t n, size_t size)
+{
+    if (sure == 0 || n == 0 || list->n > 0)
+        return;
+    n = sure < n ? sure + 1 : n;
+    list->item = arena_array(m->lang->scene_mem, n, size);
+    list->room = n;
+    list->in_scene = true;
+}
+
 static void *kept(struct making *m, const struct list *list, size_t size)
 {
+    if (list->in_scene)
+        return list->item;
     return list->n > 0 ? arena_copy(m->lang->scene_mem, list->item, list->n * size) : NULL;
 }
 
@@ -217,6 +243,10 @@ static void read_triangle(struct making *m, const struct item *i)
     }
     reader_close(&r);
     *(struct mesh_face *)push(m, &m->face, sizeof f) = f;
+    if (!m->said && is_degenerate(m->vertex.item, &f)) {
+        diag_warning(m->lang->diag, i->at, "triangle: degenerate triangle; it is left out");
+        m->said = true;
+    }
 }
 
 static bool read_mesh_item(struct reader *r, const struct item *i, void *arg)
@@ -276,6 +306,7 @@ static void read_vectors(struct making *m, const struct item *block, int compone
     size_t n = read_count(m, &r, block->text);
     reader_skip_comma(&r);
     *list = (struct list) { 0 };
+    reserve(m, list, run_length(&r), n, size);
     unsigned errors = m->lang->diag->errors;
     while (list->n < n && m->lang->diag->errors == errors) {
         size_t most = n - list->n < MOST_AT_ONCE ? n - list->n : MOST_AT_ONCE;
@@ -285,6 +316,11 @@ static void read_vectors(struct making *m, const struct item *block, int compone
                 break;
             reader_skip_comma(&r);
             got = 1;
+        }
+        if (list->n + got <= list->room) {
+            memcpy((char *)list->item + list->n * size, bulk, got * size);
+            list->n += got;
+            continue;
         }
         for (size_t i = 0; i < got; i++)
             memcpy(push(m, list, size), bulk + i * (size_t)components, size);
@@ -336,15 +372,24 @@ struct indices {
     size_t n_things;
     double bulk[3 * MOST_AT_ONCE];
     size_t have, used;
+    struct loc at;
 };
+
+/* Without making an item of a run's first constant, which would end the run. */
+static struct loc next_at(struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    return a ? a->at : reader_at(r);
+}
 
 static void next_three(struct indices *x, size_t most, uint32_t out[3])
 {
-    struct loc at = reader_at(x->r);
     double v[3] = { 0, 0, 0 };
 
     if (x->used == x->have) {
         x->used = 0;
+        x->at = next_at(x->r);
         x->have = reader_bulk(x->r, 3, most < MOST_AT_ONCE ? most : MOST_AT_ONCE, x->bulk);
     }
     if (x->used < x->have)
@@ -354,7 +399,7 @@ static void next_three(struct indices *x, size_t most, uint32_t out[3])
         reader_skip_comma(x->r);
     }
     for (int k = 0; k < 3; k++)
-        out[k] = index_in(x->m, at, x->what, v[k], x->n_things);
+        out[k] = index_in(x->m, x->at, x->what, v[k], x->n_things);
 }
 
 static void read_faces(struct making *m, const struct item *block)
@@ -365,6 +410,7 @@ static void read_faces(struct making *m, const struct item *block)
     reader_open(&r, m->lang, block->body);
     size_t n = read_count(m, &r, block->text);
     reader_skip_comma(&r);
+    reserve(m, &m->face, run_length(&r), n, sizeof(struct mesh_face));
     unsigned errors = m->lang->diag->errors;
     for (size_t i = 0; i < n && m->lang->diag->errors == errors; i++) {
         struct mesh_face *f = push(m, &m->face, sizeof *f);

@@ -662,6 +662,14 @@ static bool read_modifier(struct reader *r, struct patterned *p, const struct it
            && build_from_table(r, pattern_fields, i, p);
 }
 
+/* One message: its numbers are skipped. */
+static void say_late(struct reader *r, struct patterned *p, const struct item *i)
+{
+    diag_error(r->lang->diag, i->at, "a pattern must come first in %s", thing_word(p->of));
+    while (reader_is_number(r) || reader_peek(r)->kind == ITEM_COMMA)
+        reader_next(r);
+}
+
 static void wrong_item(struct reader *r, struct patterned *p, const struct item *i)
 {
     const struct syntax *s = p->word ? find_syntax(p->word) : NULL;
@@ -675,7 +683,7 @@ static void wrong_item(struct reader *r, struct patterned *p, const struct item 
         diag_error(r->lang->diag, i->at, "%s is no colour here: write rgb before it",
                    item_describe(r->lang, i));
     else if (patterned_starts(i))
-        diag_error(r->lang->diag, i->at, "a pattern must come first in %s", thing_word(p->of));
+        say_late(r, p, i);
     else
         build_unknown(r->lang, i, thing_word(p->of), tables);
 }

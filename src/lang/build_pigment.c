@@ -75,8 +75,9 @@ static const struct pigment *read_pigment(struct reader *r, const struct item *b
         from = declared;
     struct patterned p = from_said(from ? from->said : NULL, type);
     bool fresh = p.kind == PATTERNED_NONE;
+    unsigned errors = r->lang->diag->errors;
     build_patterned(r, &p, block);
-    if (fresh && p.kind == PATTERNED_NONE && type == VALUE_PIGMENT && block && !p.has_quick_colour)
+    if (fresh && errors == r->lang->diag->errors && p.kind == PATTERNED_NONE && type == VALUE_PIGMENT && block && !p.has_quick_colour)
         diag_warning(r->lang->diag, block->at, "this pigment has no colour or pattern: it is black");
     return to_pigment(r->lang, &p);
 }

@@ -21,12 +21,12 @@ static const struct texture *top_of(const struct texture *t)
 static const struct texture *copy_layers(struct lang *l, const struct texture *from,
                                          struct texture **top)
 {
-    const struct texture *bottom = NULL, **link = &bottom;
+    const struct texture *bottom = *top = copy(l, from);
 
-    for (; from; from = from->above) {
-        *top = copy(l, from);
-        *link = *top;
-        link = &(*top)->above;
+    while ((from = from->above)) {
+        struct texture *next = copy(l, from);
+        (*top)->above = next;
+        *top = next;
     }
     return bottom;
 }
@@ -183,9 +183,11 @@ static const struct texture *plain(struct reader *r, const struct texture *from)
 {
     const struct field *const tables[] = { texture_words, transform_fields, NULL };
     struct texture *top;
-    const struct texture *bottom = copy_layers(r->lang, from, &top);
     struct transform move;
 
+    if (reader_peek(r)->kind == ITEM_END)
+        return from;                    /* thousands of objects may share it */
+    const struct texture *bottom = copy_layers(r->lang, from, &top);
     while (take_identifiers(r, top))
         continue;
     for (struct item i = reader_next(r); i.kind != ITEM_END; i = reader_next(r)) {

@@ -47,7 +47,9 @@ static void say_no_value(struct lang *l, const struct item *i)
 {
     struct guess g = guess_start(i->text ? i->text : "");
 
-    if (i->kind == ITEM_NAME) {
+    if (i->kind == ITEM_NAME && i->body && !i->brace.source)
+        say_unknown_call(l, i->at, i->text);
+    else if (i->kind == ITEM_NAME) {
         guess_names(&g, l);
         if (i->brace.source)
             guess_words(&g, l);
@@ -246,7 +248,7 @@ static void declare(struct lang *l, const struct ast *node)
         harmless(&v);
     } else if (!semicolon && value_is_number(&v) && !(l->diag->errors)) {
         struct loc end = node->value->last ? node->value->last->at : node->at;
-        end.begin = end.end ? end.end - 1 : 0;
+        end.begin = end.end;
         diag_error(l->diag, end, "';' is missing behind this declaration");
     }
     if (v.n == 5)
@@ -289,21 +291,82 @@ static bool round_counts(struct lang *l, struct loc at)
 {
     if (++l->rounds <= l->limits->iterations)
         return true;
-    lang_limit(l, at, "the loops of this scene have run more than %.0f times", l->limits->iterations);
+    lang_limit(l, at, "the loops of this scene have run more than %.0f times; "
+               "--max-iterations=N would let them go on", l->limits->iterations);
     return false;
 }
 
-static bool while_goes_on(struct lang *l, const struct ast *node)
+static bool while_holds(struct lang *l, const struct ast *node)
 {
     double x;
 
-    return evaluate_number(l, node->args, "a number as condition", &x) && is_true(x)
-        && round_counts(l, node->at);
+    return evaluate_number(l, node->args, "a number as condition", &x) && is_true(x);
+}
+
+/* Adds up the names that a condition asks for; false: it asks for more, such
+ * as a macro or rand(), which may answer otherwise every time. */
+static bool sum_of_names(const struct ast *a, double *sum)
+{
+    const struct binding *b;
+
+    switch (a->kind) {
+    case AST_NUMBER: case AST_LITERAL: case AST_CONSTANT:
+        return true;
+    case AST_NAME:
+        b = scope_find(a->name);
+        for (int i = 0; b && value_is_number(b->value) && i < b->value->n; i++)
+            *sum = *sum * 1.25 + b->value->v[i];
+        return b && value_is_number(b->value);
+    case AST_UNARY:
+        return sum_of_names(a->right, sum);
+    case AST_BINARY:
+        return sum_of_names(a->left, sum) && sum_of_names(a->right, sum);
+    case AST_PAREN:
+        for (a = a->args->first; a; a = a->next)
+            if (!sum_of_names(a, sum))
+                return false;
+        return true;
+    default:
+        return false;
+    }
+}
+
+enum { EARLY_ROUNDS = 1 << 16, MOST_STILL = 2000000 };
+
+/* A loop whose condition asks for names that stay as they are will not end.
+ * Only long loops are looked at.  Who asks for more rounds than usual gets
+ * them. */
+static bool never_ends(struct lang *l, struct frame *f)
+{
+    static const struct limits usual = LIMITS_DEFAULT;
+    double sum = 0;
+    bool known = true;
+
+    if (++f->step < EARLY_ROUNDS || l->limits->iterations > usual.iterations)
+        return false;
+    for (const struct ast *a = f->node->args->first; a && known; a = a->next)
+        known = sum_of_names(a, &sum);
+    f->still = known && sum == f->end ? f->still + 1 : 0;
+    f->end = sum;
+    if (f->still < MOST_STILL)
+        return false;
+    lang_limit(l, f->node->at, "this #while never ends: %d rounds have changed nothing that its "
+               "condition asks for (--max-iterations=1e10 would let it go on)", MOST_STILL);
+    return true;
+}
+
+static bool while_goes_on(struct lang *l, struct frame *f)
+{
+    const struct ast *node = f->node;
+    unsigned which = l->n_frame - 1;
+
+    return while_holds(l, node) && round_counts(l, node->at)
+        && !never_ends(l, &l->frame[which]);
 }
 
 static void start_while(struct lang *l, const struct ast *node)
 {
-    if (while_goes_on(l, node))
+    if (while_holds(l, node) && round_counts(l, node->at))
         frame_push(l, FRAME_WHILE, node->body, node);
 }
 
@@ -372,7 +435,7 @@ bool frame_end(struct lang *l)
     unsigned which = l->n_frame - 1;
 
     if (f->kind == FRAME_WHILE)
-        again = while_goes_on(l, f->node);
+        again = while_goes_on(l, f);
     else if (f->kind == FRAME_FOR) {
         struct binding *b = scope_find(f->node->name);
         if (b && b->value->type == VALUE_NUMBER)
@@ -577,10 +640,32 @@ static void skip_raw_comma(struct reader *r)
         r->has_node = false;
 }
 
+/* As many as commas say: when there are too many, not all were taken. */
+static int count_given(const struct ast *list, int taken)
+{
+    int n = 1;
+
+    if (list->flags & AST_PLAIN)
+        return list->n;
+    for (const struct ast *a = list->first; a; a = a->next)
+        n += a->kind == AST_COMMA;
+    return n > taken ? n : taken;
+}
+
+static const char *missing_name(struct lang *l, const struct macro *m, int n)
+{
+    const struct ast *a = m->node->params->first;
+
+    for (; a && (n > 0 || a->kind == AST_COMMA); a = a->next)
+        n -= a->kind != AST_COMMA;
+    return a && a->name ? arena_format(l->mem, ": '%s' is missing", a->name->text) : "";
+}
+
 static void say_count(struct lang *l, const struct ast *call, const struct macro *m, int n)
 {
-    diag_error(l->diag, call->at, "macro '%s' takes %d argument%s, not %s%d", m->name->text, m->n,
-               m->n == 1 ? "" : "s", n > m->n ? "more than " : "", n > m->n ? m->n : n);
+    diag_error(l->diag, call->at, "macro '%s' takes %d argument%s, not %d%s", m->name->text, m->n,
+               m->n == 1 ? "" : "s", n > m->n ? count_given(call->args, n) : n,
+               n < m->n ? missing_name(l, m, n) : "");
     diag_note(l->diag, m->node->at, "it is defined here");
 }
 
@@ -646,9 +731,10 @@ bool macro_call(struct lang *l, const struct ast *call)
     struct argument few[FEW], *argument = few;
     struct ast plain = *call->args;
 
-    if (l->n_call >= l->limits->call_depth) {
-        lang_limit(l, call->at, "macro '%s' calls are nested more than %u deep: does it ever end?",
-                   m->name->text, l->limits->call_depth);
+    if (l->n_call + l->n_include >= l->limits->call_depth) {
+        diag_error(l->diag, call->at, "macro '%s' calls are nested more than %u deep: does it ever end? "
+                   "(--max-call-depth=N would let it go on)", m->name->text, l->limits->call_depth);
+        l->stopped = true;
         return false;
     }
     if (say_unclosed(l, call->args))

@@ -53,6 +53,18 @@ static double compare(int op, double a, double b)
     }
 }
 
+/* Where an operator is: the last one before its right side. */
+static struct loc operator_at(const struct lang *l, const struct ast *node)
+{
+    const struct source *s = source_at(l->sources, node->at.source);
+    uint32_t i = node->right->at.begin;
+
+    while (s && i > node->at.begin)
+        if (s->text[--i] == node->op)
+            return (struct loc) { node->at.source, i, i + 1 };
+    return node->at;
+}
+
 static double divide(struct lang *l, struct loc at, double a, double b)
 {
     if (b != 0)
@@ -163,6 +175,18 @@ static void say_undeclared(struct lang *l, struct loc at, const char *name)
     diag_error(l->diag, at, "undeclared name '%s'%s", name, guess_text(&g, l));
 }
 
+void say_unknown_call(struct lang *l, struct loc at, const char *name)
+{
+    struct guess g = guess_start(name);
+
+    guess_names(&g, l);
+    for (size_t i = 0; i < l->n_word; i++)
+        if (l->word[i].class == WORD_FUNC || l->word[i].class == WORD_FUNC1)
+            guess_try(&g, l->word[i].text);
+    at.end = at.begin + (uint32_t)strlen(name);
+    diag_error(l->diag, at, "unknown function '%s'%s", name, guess_text(&g, l));
+}
+
 static void warn_deprecated(struct lang *l, struct loc at, struct binding *b)
 {
     diag_warning(l->diag, at, "%s", b->deprecated);
@@ -175,7 +199,7 @@ static void eval_name(struct lang *l, const struct ast *a, struct value *out)
     struct binding *b = scope_find(a->name);
 
     if (!b) {
-        say_undeclared(l, a->at, a->name->text);
+        (a->kind == AST_CALL ? say_unknown_call : say_undeclared)(l, a->at, a->name->text);
         harmless(out);
         return;
     }
@@ -277,7 +301,8 @@ static void eval_binary(struct lang *l, const struct ast *a, struct value *out)
         out->v[0] = a->op == '+' ? out->v[0] + right.v[0]
             : a->op == '-' ? out->v[0] - right.v[0] : out->v[0] * right.v[0];
     else
-        binary(l, a->at, a->op, out, &right);
+        binary(l, a->op == '/' && value_is_number(&right) && right.v[0] == 0 ? operator_at(l, a) : a->at,
+               a->op, out, &right);
 }
 
 /* In parentheses a colour is five numbers like any others. */

@@ -34,4 +34,7 @@ void member(struct lang *l, const struct ast *a, struct value *v);     /* v beco
 void harmless(struct value *out);
 void wrong_type(struct lang *l, struct loc at, const struct value *v, const char *wanted);
 
+/* `sine(1)`: at is the call. */
+void say_unknown_call(struct lang *l, struct loc at, const char *name);
+
 #endif

@@ -23,7 +23,8 @@ struct frame {
     const struct ast *node;     /* the directive or call */
     uint32_t bulk;              /* how many of next's constants are taken */
     bool bulk_comma;            /* the one before was taken, its comma was not */
-    double step, end;           /* FRAME_FOR */
+    double step, end;           /* FRAME_FOR; FRAME_WHILE: rounds, and what its condition asked for */
+    unsigned still;             /* FRAME_WHILE: rounds that changed nothing of that */
     struct loc at;              /* of the call or directive */
 };
 

@@ -1,6 +1,8 @@
 /* guess.c: "did you mean". */
 #include "lang/guess.h"
 
+#include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Further than this is another word; short words must be nearer. */
@@ -50,4 +52,50 @@ void guess_words(struct guess *g, const struct lang *l)
 const char *guess_text(const struct guess *g, const struct lang *l)
 {
     return g->best ? arena_format(l->mem, "; did you mean '%s'?", g->best) : "";
+}
+
+/* Does a line say `#declare NAME` or `#macro NAME`? */
+static bool declares(const char *line, const char *name)
+{
+    size_t n = strlen(name);
+
+    line += strspn(line, " \t");
+    if (*line++ != '#')
+        return false;
+    line += strspn(line, " \t");
+    line += strncmp(line, "declare", 7) == 0 ? 7 : strncmp(line, "macro", 5) == 0 ? 5 : 0;
+    if (*line != ' ' && *line != '\t')
+        return false;
+    line += strspn(line, " \t");
+    return strncmp(line, name, n) == 0 && !isalnum((unsigned char)line[n]) && line[n] != '_';
+}
+
+static bool file_declares(const char *path, const char *name)
+{
+    char line[256];
+    FILE *f = fopen(path, "r");
+    bool found = false;
+
+    while (f && !found && fgets(line, sizeof line, f))
+        found = declares(line, name);
+    if (f)
+        fclose(f);
+    return found;
+}
+
+/* The files that scenes take their names from, the commonest first. */
+static const char *const common_files[] = {
+    "colors.inc", "textures.inc", "metals.inc", "golds.inc", "glass.inc", "woods.inc",
+    "stones1.inc", "stones2.inc", "finish.inc", "skies.inc", "stars.inc", "shapes.inc",
+    "shapes2.inc", "functions.inc", "math.inc", "transforms.inc", "consts.inc", "rand.inc",
+    "arrays.inc", "strings.inc", "glass_old.inc", NULL,
+};
+
+const char *guess_include(const struct lang *l, const char *name)
+{
+    for (const char *const *file = common_files; *file; file++)
+        for (size_t i = 0; i < l->setup.n_library; i++)
+            if (file_declares(arena_format(l->mem, "%s/%s", l->setup.library[i], *file), name))
+                return *file;
+    return NULL;
 }

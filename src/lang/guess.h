@@ -19,4 +19,7 @@ void guess_words(struct guess *g, const struct lang *l);            /* all reser
 /* "; did you mean 'phong'?" or "", in l->mem: the end of a message. */
 const char *guess_text(const struct guess *g, const struct lang *l);
 
+/* The file of the library that declares a name, or NULL. */
+const char *guess_include(const struct lang *l, const char *name);
+
 #endif

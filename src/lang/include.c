@@ -62,14 +62,17 @@ void include(struct lang *l, const struct ast *node)
     if (!evaluate_text(l, node->right, "a file's name", &name))
         return;
     if (l->n_include + 1 >= l->limits->include_depth) {
-        lang_limit(l, node->at, "files include each other more than %u deep",
+        diag_error(l->diag, node->at, "files include each other more than %u deep",
                    l->limits->include_depth);
+        l->stopped = true;
         return;
     }
     const char *path = lang_find_file(l, node->right->at, name.bytes, extensions, "file");
     const struct ast *tree = path ? parse_file(l, path, node->at) : NULL;
-    if (!tree)
+    if (!tree) {                /* all that it declares would be the next mistakes */
+        l->stopped = true;
         return;
+    }
     scope_open(l);
     frame_push(l, FRAME_INCLUDE, tree, node);
     l->n_include++;

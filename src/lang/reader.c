@@ -72,10 +72,13 @@ void reader_close(struct reader *r)
  * never taken anything may stand. */
 static void say_error(struct reader *r, const struct ast *a)
 {
+    r->failed = true;
+    if (r->unclosed && a->other.source == r->brace.source && a->other.begin == r->brace.begin)
+        return;
     diag_error(r->lang->diag, a->at, "%s", a->text);
     if (a->other.source)
-        diag_note(r->lang->diag, a->other, "opened here");
-    r->failed = true;
+        diag_note(r->lang->diag, a->other, a->other.begin > a->at.begin ? "it is missed here"
+                  : "opened here");
 }
 
 /* Behind such a place, the list makes sense again at the next block or
@@ -354,6 +357,8 @@ const char *item_describe(struct lang *l, const struct item *i)
     case ITEM_ENTRY: return "[ ]";
     case ITEM_BRACES: return "{ }";
     case ITEM_VALUE:
+        if (i->name && !value_is_number(&i->value))
+            return arena_format(l->mem, "the %s '%s'", value_name(&i->value), i->name);
         return arena_format(l->mem, "a%s %s", strchr("aeio", value_name(&i->value)[0]) ? "n" : "",
                             value_name(&i->value));
     default: return arena_format(l->mem, "'%s'", i->text);

@@ -62,9 +62,10 @@ static const char *aim(const struct camera_words *w, struct camera *c)
 
     if (!w->has_look_at)
         return NULL;
-    if (vec_dot(view, view) < near_zero)
+    if (vec_largest(view) == 0)
         return "location and look_at are the same point";
-    vec3 d = vec_unit(view), side = vec_cross(w->sky, d);
+    vec3 d = vec_unit(vec_scale(view, 1 / vec_largest(view)));  /* no square of it is too small */
+    vec3 side = vec_cross(w->sky, d);
     vec3 r = vec_largest(side) < near_zero ? vec_unit(c->right) : vec_unit(side);
     vec3 u = vec_cross(d, r);
     double width = vec_length(c->right);
@@ -83,7 +84,7 @@ static void widen(const struct camera_words *w, struct camera *c)
 
     if (c->kind != CAMERA_ORTHOGRAPHIC || ((w->has_up || w->has_right) && !w->has_angle))
         return;
-    if (distance <= near_zero || length <= near_zero)
+    if (!(distance > 0) || !(length > 0))
         return;
     c->right = vec_scale(c->right, distance / length);
     c->up = vec_scale(c->up, distance / length);
