@@ -269,7 +269,7 @@ static bool read_declare(struct options *o, const struct option *row, const char
     const char *equals = strchr(value, '=');
 
     (void)row;
-    if (!equals || equals == value || !equals[1])
+    if (!equals || equals == value || !equals[1] || strchr("0123456789", *value))
         return option_error("%s: not NAME=VALUE: '%s'", said, value);
     list_add(o, &o->declare, value);
     return true;
