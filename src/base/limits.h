@@ -9,7 +9,7 @@ struct limits {
     size_t source_bytes;                /* one source file */
     unsigned nesting;                   /* blocks, brackets, parentheses in each other */
     unsigned include_depth;
-    unsigned call_depth;                /* macros in each other */
+    unsigned call_depth;                /* macros and included files in each other */
     unsigned csg_depth;                 /* objects in each other */
     double iterations;                  /* rounds of all loops together */
     size_t array_items;
@@ -20,7 +20,7 @@ struct limits {
 
 #define LIMITS_DEFAULT { \
     .memory = (size_t)8 << 30, .source_bytes = (size_t)1 << 30, .nesting = 1000, \
-    .include_depth = 32, .call_depth = 200, .csg_depth = 1000, .iterations = 1e9, \
+    .include_depth = 32, .call_depth = 98, .csg_depth = 1000, .iterations = 1e9, \
     .array_items = (size_t)1 << 28, .string_bytes = (size_t)1 << 26, .trace_depth = 256, \
     .image_side = 1000000 }
 

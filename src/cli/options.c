@@ -325,7 +325,7 @@ static const struct option table[] = {
     { "max-iterations", 0, "N", read_real, LIMIT(iterations), 1, 1e300, "rounds of all loops (default 1e9)" },
     { "max-nesting", 0, "N", read_count, LIMIT(nesting), 1, 100000, "blocks in each other (default 1000)" },
     { "max-include-depth", 0, "N", read_count, LIMIT(include_depth), 1, 1000, "files in each other (default 32)" },
-    { "max-call-depth", 0, "N", read_count, LIMIT(call_depth), 1, 10000, "macro calls in each other (default 200)" },
+    { "max-call-depth", 0, "N", read_count, LIMIT(call_depth), 1, 10000, "macro calls in each other (default 98)" },
     { "max-csg-depth", 0, "N", read_count, LIMIT(csg_depth), 1, 10000, "objects in each other (default 1000)" },
     { "max-trace-depth", 0, "N", read_count, LIMIT(trace_depth), 1, 256, "the highest max_trace_level (default 256)" },
     { "max-array-items", 0, "N", read_amount, LIMIT(array_items), 1, MOST_BYTES, "of all dimensions of one array" },

@@ -92,7 +92,7 @@ const struct field *const block_fields[] = {
 static const struct block *find_block(const char *word)
 {
     for (const struct block *b = blocks; b->word; b++)
-        if (strcmp(b->word, word) == 0)
+        if (b->word[0] == word[0] && strcmp(b->word, word) == 0)
             return b;
     return NULL;
 }
