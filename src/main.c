@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/arena.h"
@@ -116,12 +117,24 @@ static struct lang_setup setup_of(struct run *r)
     return s;
 }
 
-static double lap(double *start)
-{
-    double now = progress_now(), spent = now - *start;
+struct watch { double wall, cpu; };
 
+static struct watch watch_now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (struct watch) { progress_now(), (double)t.tv_sec + (double)t.tv_nsec / 1e9 };
+}
+
+/* What has passed since start, which begins anew. */
+static void lap(struct watch *start, double *wall, double *cpu)
+{
+    struct watch now = watch_now();
+
+    *wall = now.wall - start->wall;
+    *cpu = now.cpu - start->cpu;
     *start = now;
-    return spent;
 }
 
 static int fail(const struct run *r)
@@ -199,7 +212,6 @@ static void count_scene(struct run *r, const struct scene *scene)
     r->stats.objects = scene->n_object;
     r->stats.lights = scene->n_light;
     r->stats.scene_bytes = arena_size(&r->scene_mem);
-    r->stats.plan_bytes = arena_size(&r->plan_mem);
 }
 
 /* The output is opened before the plan is made: whoever gave a wrong name
@@ -208,7 +220,7 @@ static int make_picture(struct run *r, const struct scene *scene)
 {
     struct picture picture;
     struct render_options ro = { 0 };
-    double start = progress_now();
+    struct watch start = watch_now();
 
     if (r->o->task != TASK_RENDER) {
         make_plan(r, scene);
@@ -220,26 +232,28 @@ static int make_picture(struct run *r, const struct scene *scene)
         return cannot_write(&picture);
     }
     const struct plan *plan = make_plan(r, scene);
-    r->stats.build = lap(&start);
+    lap(&start, &r->stats.build, &r->stats.build_cpu);
     int status = render_rows(r, plan, &picture, &ro);
-    r->stats.trace = lap(&start);
-    count_scene(r, scene);
+    lap(&start, &r->stats.trace, &r->stats.trace_cpu);
+    r->stats.plan_bytes = arena_size(&r->plan_mem);
     return status;
 }
 
 static int make_frame(struct run *r)
 {
     struct lang_setup setup = setup_of(r);
-    double start = progress_now();
+    struct watch start = watch_now();
 
     r->lang = lang_new(&setup);
     struct scene *scene = read_scene(r);
     r->limit_reached = lang_limit_reached(r->lang);
     lang_free(r->lang);
     arena_free(&r->tree);
-    r->stats.parse = lap(&start);
+    lap(&start, &r->stats.parse, &r->stats.parse_cpu);
     if (r->diag.errors || r->limit_reached)
         return fail(r);
+    if (scene)
+        count_scene(r, scene);
     if (!scene || r->o->task == TASK_CHECK || r->o->task == TASK_DUMP_SCENE)
         return EXIT_OK;
     return make_picture(r, scene);
@@ -283,7 +297,7 @@ static int run_frame(const struct options *o, const struct engine *engine, int f
     start_diag(&r);
     int status = make_frame(&r);
     diag_end(&r.diag);
-    if (status == EXIT_OK && o->task == TASK_RENDER)
+    if (status == EXIT_OK && (o->task == TASK_RENDER || o->task == TASK_CHECK))
         print_stats(&r);
     close_debug(r.debug);
     arena_free(&r.plan_mem);

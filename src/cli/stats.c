@@ -15,7 +15,7 @@ struct row { const char *key, *text, *unit; double value; int decimals; };
 static void print_text(const struct row *row, FILE *out)
 {
     for (; row->key; row++)
-        fprintf(out, "%-18s %14.*f %s\n", row->text, row->decimals, row->value, row->unit);
+        fprintf(out, "%-19s %14.*f %s\n", row->text, row->decimals, row->value, row->unit);
 }
 
 static void print_json(const struct row *row, FILE *out)
@@ -37,7 +37,10 @@ void stats_print(const struct stats *s, const struct options *o, FILE *out)
         { "trace", "tracing", "s", s->trace, 6 },
         { "write", "of it, writing", "s", s->write, 6 },
         { "total", "all", "s", progress_now() - s->start, 6 },
-        { "cpu", "processor time", "s", seconds(used.ru_utime) + seconds(used.ru_stime), 6 },
+        { "parse_cpu", "processor, reading", "s", s->parse_cpu, 6 },
+        { "build_cpu", "processor, planning", "s", s->build_cpu, 6 },
+        { "trace_cpu", "processor, tracing", "s", s->trace_cpu, 6 },
+        { "cpu", "processor, all", "s", seconds(used.ru_utime) + seconds(used.ru_stime), 6 },
         { "objects", "objects", "", (double)s->objects, 0 },
         { "lights", "lights", "", (double)s->lights, 0 },
         { "rays", "rays", "", r->rays, 0 },

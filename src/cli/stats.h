@@ -11,6 +11,7 @@
 struct stats {
     double start;                       /* progress_now() */
     double parse, build, trace, write;  /* seconds: bytes to scene, scene to plan, pixels, file */
+    double parse_cpu, build_cpu, trace_cpu;     /* the same, of all processors */
     struct render_stats render;
     size_t scene_bytes, plan_bytes;
     size_t objects, lights;
