@@ -22,7 +22,7 @@ static const struct special_shape *find_special(const char *word)
 
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
         for (const struct special_shape *s = tables[t]; s->word; s++)
-            if (strcmp(s->word, word) == 0)
+            if (s->word[0] == word[0] && strcmp(s->word, word) == 0)
                 return s;
     return NULL;
 }
