@@ -170,6 +170,7 @@ void csg_scratch_init(struct csg_scratch *s, const struct csg c[], size_t n, str
     if (n == 0)
         return;
     s->event = arena_array(mem, s->room + 1, sizeof *s->event);
+    s->key = arena_array(mem, s->room + 1, sizeof *s->key);
     s->count = arena_array(mem, nodes + 1, sizeof *s->count);
     s->before = arena_array(mem, nodes + 1, sizeof *s->before);
     s->asked_inside = arena_array(mem, parts + 1, sizeof *s->asked_inside);
@@ -184,7 +185,18 @@ struct sweep {
     struct ray ray;
     double reach;                       /* of the origin, in lengths of dir */
     double far;
+    const struct placement *placement;  /* of the part before: many stand alike */
+    struct ray placed;                  /* as it sees the ray */
 };
+
+static struct ray part_ray(struct sweep *w, const struct leaf *l)
+{
+    if (l->placement != w->placement) {
+        w->placement = l->placement;
+        w->placed = leaf_ray(l, w->ray);
+    }
+    return w->placed;
+}
 
 static int part_hits(struct sweep *w, const struct leaf *l, struct ray ray)
 {
@@ -207,7 +219,7 @@ static int cut(struct sweep *w, uint32_t number)
 {
     const struct csg_part *part = &w->csg->part[number];
     const struct leaf *l = &w->csg->leaf[part->leaf];
-    struct ray ray = leaf_ray(l, w->ray);
+    struct ray ray = part_ray(w, l);
     int n = part_hits(w, l, ray);
     bool inside = part->is_infinite && begins_inside(l, ray, n);
 
@@ -216,8 +228,9 @@ static int cut(struct sweep *w, uint32_t number)
         csg_count(w->csg->node, w->s->count, part->parent, 1);
     for (int i = 0; i < n; i++) {
         inside = !inside;
-        uint32_t order = (uint32_t)w->s->n_event++;
-        w->s->event[order] = (struct csg_event) { w->s->hits[i], number, order, inside };
+        uint32_t at = (uint32_t)w->s->n_event++;
+        w->s->event[at] = (struct csg_event) { w->s->hits[i], number, inside };
+        w->s->key[at] = (struct csg_key) { w->s->hits[i].t, at };
     }
     return n;
 }
@@ -230,28 +243,33 @@ INLINE bool visit_part(void *arg, const uint32_t item[], uint32_t bits, double *
     return false;
 }
 
-static int event_order(const void *a, const void *b)
+static int key_order(const void *a, const void *b)
 {
-    const struct csg_event *p = a, *q = b;
+    const struct csg_key *p = a, *q = b;
 
-    return p->hit.t != q->hit.t ? (p->hit.t < q->hit.t ? -1 : 1)
-           : (p->order > q->order) - (p->order < q->order);
+    return p->t != q->t ? (p->t < q->t ? -1 : 1) : (p->event > q->event) - (p->event < q->event);
 }
 
 /* Crossings of one part come in order, so this is mostly merging. */
-static void sort_events(struct csg_event e[], size_t n)
+static void sort_keys(struct csg_key k[], size_t n)
 {
     if (n > 64) {
-        qsort(e, n, sizeof *e, event_order);
+        qsort(k, n, sizeof *k, key_order);
         return;
     }
     for (size_t i = 1; i < n; i++) {
-        struct csg_event one = e[i];
+        struct csg_key one = k[i];
         size_t at = i;
-        for (; at > 0 && event_order(&e[at - 1], &one) > 0; at--)
-            e[at] = e[at - 1];
-        e[at] = one;
+        for (; at > 0 && k[at - 1].t > one.t; at--)
+            k[at] = k[at - 1];
+        k[at] = one;
     }
+}
+
+/* The crossing that comes in place i along the ray. */
+INLINE const struct csg_event *event_at(const struct sweep *w, size_t i)
+{
+    return &w->s->event[w->s->key[i].event];
 }
 
 /* --- groups of crossings that coincide ------------------------------------- */
@@ -283,15 +301,15 @@ static bool coincide(const struct sweep *w, const struct csg_event *a, const str
 /* A part's second crossing is never thrown together with its first. */
 static size_t group_end(const struct sweep *w, size_t first)
 {
-    const struct csg_event *e = w->s->event;
     size_t end = first + 1;
 
     for (; end < w->s->n_event; end++) {
-        for (size_t i = first; i < end; i++)
-            if (e[i].part == e[end].part)
-                return end;
-        if (!coincide(w, &e[first], &e[end]))
+        const struct csg_event *e = event_at(w, end);
+        if (!coincide(w, event_at(w, first), e))
             return end;
+        for (size_t i = first; i < end; i++)
+            if (event_at(w, i)->part == e->part)
+                return end;
     }
     return end;
 }
@@ -362,7 +380,7 @@ static void ask(struct sweep *w, vec3 p)
 static void pass(struct sweep *w, size_t first, size_t end)
 {
     for (size_t i = first; i < end; i++) {
-        const struct csg_event *e = &w->s->event[i];
+        const struct csg_event *e = event_at(w, i);
         const struct csg_part *part = &w->csg->part[e->part];
         if (part->alternates)
             csg_count(w->csg->node, w->s->count, part->parent, e->enters ? 1 : -1);
@@ -372,7 +390,7 @@ static void pass(struct sweep *w, size_t first, size_t end)
 static void settle(struct sweep *w, size_t first, size_t end)
 {
     for (size_t i = first; i < end; i++) {
-        uint32_t at = w->csg->part[w->s->event[i].part].parent;
+        uint32_t at = w->csg->part[event_at(w, i)->part].parent;
         for (; at != NO_LEAF && w->s->before[at] != w->s->count[at]; at = w->csg->node[at].parent)
             w->s->before[at] = w->s->count[at];
     }
@@ -385,18 +403,19 @@ static const struct csg_event *winner(const struct sweep *w, size_t first, size_
     const struct csg_event *best = NULL;
 
     for (size_t i = first; i < end; i++) {
-        const struct csg_event *e = &w->s->event[i];
+        const struct csg_event *e = event_at(w, i);
         if (shows(w, e) && (!best || e->part > best->part))
             best = e;
     }
     return best;
 }
 
-/* False: a required part is missed, and so nothing is seen. */
+/* False: a required part is missed or lies behind, and so nothing is seen. */
 static bool cut_required(struct sweep *w, uint32_t bits)
 {
     for (; bits; bits &= bits - 1)
-        if (cut(w, w->csg->boxes->part[__builtin_ctz(bits)]) == 0)
+        if (cut(w, w->csg->boxes->part[__builtin_ctz(bits)]) == 0
+            || !(w->s->key[w->s->n_event - 1].t > 0))
             return false;
     return true;
 }
@@ -434,7 +453,7 @@ static bool gather(struct sweep *w)
         return false;
     cut_others(w, near & ~c->required);
     memcpy(s->before, s->count, c->n_node * sizeof *s->count);
-    sort_events(s->event, s->n_event);
+    sort_keys(s->key, s->n_event);
     return true;
 }
 
@@ -442,12 +461,12 @@ bool csg_sweep(const struct csg *c, struct csg_scratch *s, struct ray ray, doubl
                bool (*visit)(void *arg, const struct csg_event *e), void *arg)
 {
     double length = vec_largest(ray.dir);
-    struct sweep w = { c, s, ray, vec_largest(ray.origin) / length, far };
+    struct sweep w = { c, s, ray, vec_largest(ray.origin) / length, far, NULL, ray };
 
     if (!gather(&w))
         return false;
     for (size_t first = 0, end; first < s->n_event; first = end) {
-        double t = s->event[first].hit.t;
+        double t = s->key[first].t;
         if (t >= far)
             return false;
         end = group_end(&w, first);

@@ -53,12 +53,16 @@ struct csg {
 struct csg_event {
     struct hit hit;
     uint32_t part;
-    uint32_t order;                     /* in which it was found: one part's come sorted */
     bool enters;                        /* the part, inverse taken into account */
 };
 
+/* Crossings are sorted by these; of equal t, as they were found, since one
+ * part's come sorted. */
+struct csg_key { double t; uint32_t event; };
+
 struct csg_scratch {
     struct csg_event *event;
+    struct csg_key *key;
     size_t n_event, room;
     uint32_t *count, *before;           /* children inside, a node: now, and before the group */
     bool *asked_inside;
