@@ -282,6 +282,26 @@ static bool read_clock(struct options *o, const struct option *row, const char *
     return read_real(o, row, said, value);
 }
 
+/* A-B, both within what +KFI and +KFF take. */
+static bool read_frames(struct options *o, const struct option *row, const char *said,
+                        const char *value)
+{
+    struct animation *a = &o->animation;
+    unsigned first, last;
+    int end = 0;
+
+    if (strspn(value, "0123456789-") != strlen(value) || strlen(value) > 20 ||
+        sscanf(value, "%u-%u%n", &first, &last, &end) != 2 || value[end] ||
+        first > row->high || last > row->high)
+        return option_error("%s: not FIRST-LAST such as 1-100: '%s'", said, value);
+    if (first > last)
+        return option_error("%s: the last frame is before the first: '%s'", said, value);
+    a->is_on = true;
+    a->initial_frame = (int)first;
+    a->final_frame = (int)last;
+    return true;
+}
+
 static bool print_help(struct options *o, const struct option *row, const char *said,
                        const char *value);
 static bool print_version(struct options *o, const struct option *row, const char *said,
@@ -312,6 +332,8 @@ static const struct option table[] = {
     { "include-dir", 'I', "DIR", read_list, AT(library), 0, 0, "look for included files here too; repeatable" },
     { "declare", 0, "NAME=VALUE", read_declare, 0, 0, 0, "declare before the scene is read; repeatable" },
     { "clock", 0, "N", read_clock, AT(clock), -1e300, 1e300, "what the scene sees as clock" },
+    { "frames", 0, "A-B", read_frames, 0, 0, 1e6, "an animation: frames A to B, clock from 0 to 1" },
+    { "resume", 0, NULL, read_flag, AT(resume), 0, 0, "skip frames whose pictures exist" },
     { "check", 0, NULL, read_check, 0, 0, 0, "read the scene, make no picture" },
     { "dump", 0, "tokens|ast|scene|plan", read_dump, 0, 0, 0, "print a stage, make no picture" },
     { "explain", 0, NULL, read_explain, 0, 0, 0, "print what the plan holds and leaves out" },
@@ -527,6 +549,12 @@ static bool finish(struct options *o)
     if (strcmp(o->scene, "-") == 0 && o->task == TASK_RENDER && !o->output && !o->no_file)
         return option_error("-o: a scene from standard input has no name for its picture; "
                             "say -o FILE, or -o - for standard output");
+    if (o->animation.is_on && o->animation.initial_frame > o->animation.final_frame)
+        return option_error("the final frame %d is before the initial frame %d",
+                            o->animation.final_frame, o->animation.initial_frame);
+    if (o->resume && !o->animation.is_on)
+        return option_error("--resume (+C): only frames of an animation are resumed; "
+                            "--frames A-B makes some");
     choose_samples(o);
     return choose_size(o) && check_output(o);
 }

@@ -58,6 +58,7 @@ struct options {
     double clock;
     bool has_clock;
     struct animation animation;
+    bool resume;                        /* frames whose pictures exist are skipped */
     const char *isa;                    /* --isa; NULL: the best this machine has */
     unsigned ini_depth;                 /* INI files being read */
     struct arena *mem;

@@ -33,10 +33,15 @@ static void under(struct dump *d, const struct ast *a)
     d->depth--;
 }
 
+/* Where a list was expected there may be a message instead. */
 static void dump_list(struct dump *d, const struct ast *list)
 {
     if (!list)
         return;
+    if (list->kind == AST_ERROR) {
+        under(d, list);
+        return;
+    }
     d->depth++;
     for (const struct ast *a = list->first; a; a = a->next)
         dump(d, a);

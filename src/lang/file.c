@@ -65,15 +65,17 @@ static bool may_read(const struct lang *l, const char *path)
         || is_below_any(resolved, s->allow_write, s->n_allow_write);
 }
 
-/* A file that is to be made does not exist yet: its folder counts. */
+/* A file that is to be made does not exist yet: its folder counts, unless
+ * the name is a link's, which would make a file wherever it points. */
 static bool may_write(struct lang *l, const char *path)
 {
     const struct lang_setup *s = &l->setup;
     char resolved[PATH_MAX];
+    struct stat st;
     const char *slash = strrchr(path, '/');
     const char *folder = slash ? arena_text(l->mem, path, (size_t)(slash - path + 1)) : ".";
 
-    if (!realpath(path, resolved) && (errno != ENOENT || !realpath(folder, resolved)))
+    if (!realpath(path, resolved) && (errno != ENOENT || lstat(path, &st) == 0 || !realpath(folder, resolved)))
         return false;
     return is_below_any(resolved, s->allow_write, s->n_allow_write);
 }
@@ -401,8 +403,11 @@ void file_read(struct lang *l, const struct ast *node)
             return;
         }
         skip_space(h);
-        if (h->next == EOF)
+        if (h->next == EOF) {
+            diag_warning(l->diag, a->at, "nothing is left to read: '%s' keeps what it was",
+                         a->name ? a->name->text : "it");
             break;
+        }
         if (!read_one(l, h, &v)) {
             diag_error(l->diag, node->at, "%s:%u: expected a number, vector or text in the data",
                        h->path, h->line);
