@@ -9,7 +9,7 @@
 #include "trace/film.h"
 #include "trace/insides.h"
 #include "trace/light.h"
-#include "trace/picture.h"
+#include "scene/picture.h"
 #include "trace/program.h"
 #include "trace/render.h"
 #include "trace/wave.h"
