@@ -41,7 +41,7 @@ struct build {
     const struct texture *texture;      /* #default { } */
     struct camera_words camera;
     struct camera solved;               /* of the last camera statement */
-    bool has_camera, has_sky;
+    bool has_camera, has_sky, has_light, glows;     /* glows: a finish shows without light */
     const struct texture *declared;     /* layers so far of a `#declare T = texture { } texture { }` */
     struct cached_image *image;         /* read already */
     const struct texture *reported;     /* looked at last for what cannot be shown */

@@ -167,8 +167,16 @@ static void report_pigment(struct lang *l, struct loc at, const struct pigment *
             report_pigment(l, at, p->entry[i].pigment);
 }
 
+/* The default's ambient is too little to see anything by. */
+static bool glows(const struct finish *f)
+{
+    return f->emission.r + f->emission.g + f->emission.b > 0
+        || f->ambient.r + f->ambient.g + f->ambient.b > 0.31f;
+}
+
 static void report_finish(struct lang *l, struct loc at, const struct finish *f)
 {
+    l->build->glows |= glows(f);
     if (f->irid != 0 && f->irid_turbulence != 0)
         diag_unsupported(l->diag, at, "turbulence of irid");
     if (f->caustics > 0)
@@ -188,6 +196,7 @@ static void report_object(struct lang *l, const struct object *o)
 {
     struct build *b = l->build;
 
+    b->has_light |= o->kind == OBJECT_LIGHT;
     if (o->unsupported)
         diag_unsupported(l->diag, o->at, o->unsupported);
     if (o->texture && o->texture != b->reported)
@@ -212,8 +221,10 @@ static void report_object(struct lang *l, const struct object *o)
 void build_add(struct lang *l, struct object *o)
 {
     report_object(l, o);
-    if (!o->texture && o->kind != OBJECT_LIGHT)
+    if (!o->texture && o->kind != OBJECT_LIGHT) {
         o->texture = build_of(l)->texture;
+        l->build->glows |= o->texture->finish && glows(o->texture->finish);
+    }
     scene_add(l->scene, o);
 }
 
@@ -317,6 +328,8 @@ void build_end(struct lang *l)
     build_version(l);
     if (s->n_object == 0 && l->diag->errors == 0)
         diag_warning(l->diag, nowhere, "the scene has no objects");
+    else if (!l->build->has_light && !l->build->glows && l->diag->errors == 0)
+        diag_warning(l->diag, nowhere, "the scene has no light_source: it will be dark");
     if (!l->version_given)
         diag_warning(l->diag, nowhere, "no #version: colours and gamma are treated as POV-Ray 3.6 did");
     else if (s->settings.version >= 370 && !s->settings.has_assumed_gamma)

@@ -127,9 +127,10 @@ static void read_charset(struct reader *r)
 
 static bool read_special(struct reader *r, const struct item *i)
 {
-    if (item_is_block(i, "radiosity"))
+    if (item_is_block(i, "radiosity")) {
+        build_of(r->lang)->glows = true;        /* the sky may light it */
         skip_block(r->lang, i, radiosity_fields);
-    else if (item_is_block(i, "photons"))
+    } else if (item_is_block(i, "photons"))
         skip_block(r->lang, i, photons_fields);
     else if (item_is_block(i, "subsurface"))
         skip_block(r->lang, i, subsurface_fields);

@@ -138,9 +138,9 @@ const char *file_find(struct lang *l, struct loc at, const char *name,
         return path;
     if (quiet)
         return NULL;
-    if (path)
+    if (path || *name == '/')
         diag_error(l->diag, at, "the scene may not read '%s': it is outside of its folder; "
-                   "--allow-read would let it", path);
+                   "--allow-read would let it", path ? path : name);
     else
         diag_error(l->diag, at, "cannot find %s '%s'", what, name);
     return NULL;
