@@ -62,7 +62,7 @@ static struct object *new_object(enum object_kind kind)
     struct object *o = arena_alloc(&mem, sizeof *o);
 
     o->kind = kind;
-    o->place = transform_identity;
+    o->place = &transform_identity;
     return o;
 }
 

@@ -82,9 +82,10 @@ static const struct shape_ops ball_ops = {
 static struct object *ball_at(vec3 centre)
 {
     struct object *o = arena_alloc(&mem, sizeof *o);
+    const struct transform place = transform_translate(centre);
 
     *o = (struct object) { .kind = OBJECT_SHAPE, .ops = &ball_ops, .shape = &unit_ball,
-                           .place = transform_translate(centre) };
+                           .place = arena_copy(&mem, &place, sizeof place) };
     return o;
 }
 
@@ -96,7 +97,7 @@ static struct object *combined(enum object_kind kind, struct object *a, struct o
     child[0] = a;
     child[1] = b;
     *o = (struct object) { .kind = kind, .child = child, .n_child = 2,
-                           .place = transform_identity };
+                           .place = &transform_identity };
     return o;
 }
 
@@ -191,7 +192,7 @@ START_TEST(test_bounds_hold_the_moved_ball)
         object_move(&mem, o, &t);
         struct bounds b = object_bounds(o);
         for (int k = 0; k < 50; k++) {
-            vec3 p = mat_point(&o->place.to, vec_unit(random_vector(1)));
+            vec3 p = mat_point(&o->place->to, vec_unit(random_vector(1)));
             ck_assert(p.x >= b.low.x - 1e-9 && p.x <= b.high.x + 1e-9);
             ck_assert(p.y >= b.low.y - 1e-9 && p.y <= b.high.y + 1e-9);
             ck_assert(p.z >= b.low.z - 1e-9 && p.z <= b.high.z + 1e-9);
@@ -311,8 +312,8 @@ END_TEST
 START_TEST(test_lights_in_unions_come_into_the_world_where_they_stand)
 {
     struct light lamp = light_default;
-    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp,
-                            .place = transform_translate(vec(1, 0, 0)) };
+    const struct transform aside = transform_translate(vec(1, 0, 0));
+    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &aside };
     struct object *o = combined(OBJECT_UNION, ball_at(vec(0, 0, 0)), &light);
     struct transform t = transform_translate(vec(0, 5, 0));
     struct scene s;
@@ -330,13 +331,13 @@ START_TEST(test_what_a_light_looks_like_moves_with_it)
 {
     struct light lamp = light_default;
     lamp.looks_like = ball_at(vec(0, 0, 0));
-    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp,
-                            .place = transform_translate(vec(0, 0, 9)) };
+    const struct transform away = transform_translate(vec(0, 0, 9));
+    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &away };
     struct scene s;
 
     scene_init(&s, &mem);
     scene_add(&s, &light);
-    NEAR_VEC(mat_point(&s.light[0].looks_like->place.to, vec(0, 0, 0)), vec(0, 0, 9));
+    NEAR_VEC(mat_point(&s.light[0].looks_like->place->to, vec(0, 0, 0)), vec(0, 0, 9));
 }
 END_TEST
 

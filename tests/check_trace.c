@@ -351,7 +351,8 @@ static struct object *shape_object(const char *name, struct transform place,
     struct object *o = arena_alloc(&mem, sizeof *o);
 
     ck_assert_ptr_null(ops->prepare(shape, &mem));
-    *o = (struct object) { .kind = OBJECT_SHAPE, .ops = ops, .shape = shape, .place = place,
+    *o = (struct object) { .kind = OBJECT_SHAPE, .ops = ops, .shape = shape,
+                           .place = arena_copy(&mem, &place, sizeof place),
                            .texture = texture };
     return o;
 }

@@ -9,7 +9,7 @@ struct object *object_start(struct lang *l, enum object_kind kind, struct loc at
     struct object *o = arena_alloc(l->scene_mem, sizeof *o);
 
     o->kind = kind;
-    o->place = transform_identity;
+    o->place = &transform_identity;
     o->at = at;
     return o;
 }

@@ -264,7 +264,7 @@ static bool is_blob_look(const struct item *i)
 
 static void read_component(struct lang *l, const struct item *block)
 {
-    struct object spare = { .kind = OBJECT_UNION, .place = transform_identity };
+    struct object spare = { .kind = OBJECT_UNION, .place = &transform_identity };
     struct transform t;
     struct reader r;
 

@@ -346,7 +346,7 @@ static void dump_object(const struct printer *p, const struct object *o)
     struct printer in = deeper(p);
 
     if (o->kind == OBJECT_LIGHT) {
-        struct light moved = light_moved(o->light, &o->place);
+        struct light moved = light_moved(o->light, o->place);
         dump_light(p, &moved);
         return;
     }
@@ -355,7 +355,7 @@ static void dump_object(const struct printer *p, const struct object *o)
         dump_shape(&in, o);
     for (size_t i = 0; i < o->n_child; i++)
         dump_object(&in, o->child[i]);
-    dump_place(&in, &o->place);
+    dump_place(&in, o->place);
     dump_flags(&in, o->flags);
     dump_texture(&in, "texture", o->texture);
     dump_texture(&in, "interior_texture", o->interior_texture);

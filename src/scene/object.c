@@ -5,7 +5,10 @@
 
 struct object *object_copy(struct arena *mem, const struct object *o)
 {
-    return arena_copy(mem, o, sizeof *o);
+    struct object *copy = arena_copy(mem, o, sizeof *o);
+
+    copy->own_place = false;
+    return copy;
 }
 
 /* --- moving ---------------------------------------------------------------- */
@@ -23,11 +26,24 @@ static const struct object **moved_list(struct arena *mem, const struct object *
     return moved;
 }
 
+/* Most objects are where they were made and share one place; the first move
+ * gives a node its own. */
+static void move_place(struct arena *mem, struct object *o, const struct transform *t)
+{
+    struct transform moved = transform_compose(t, o->place);
+
+    if (o->own_place)
+        *(struct transform *)o->place = moved;
+    else
+        o->place = arena_copy(mem, &moved, sizeof moved);
+    o->own_place = true;
+}
+
 void object_move(struct arena *mem, struct object *o, const struct transform *t)
 {
     if (t->is_identity)
         return;
-    o->place = transform_compose(t, &o->place);
+    move_place(mem, o, t);
     if (!(o->flags & OBJECT_UV_MAPPING)) {      /* such textures live in (u, v) */
         o->texture = texture_move(mem, o->texture, t);
         o->interior_texture = texture_move(mem, o->interior_texture, t);
@@ -150,7 +166,7 @@ static struct bounds cut_by(struct bounds b, const struct object *const *cut, si
 
 static struct bounds bounds_under(const struct object *o, const struct transform *outer)
 {
-    struct transform place = transform_compose(outer, &o->place);
+    struct transform place = transform_compose(outer, o->place);
     struct bounds b = surface_bounds(o, &place);
 
     b = cut_by(b, o->clip, o->n_clip, outer);
@@ -251,6 +267,6 @@ bool object_inside(const struct object *o, vec3 p)
             return false;
     bool is_patch = (o->kind == OBJECT_SHAPE && !o->ops->inside) || o->kind == OBJECT_LIGHT;
     bool inverse = (o->flags & OBJECT_INVERSE) != 0 && !is_patch;
-    vec3 inner = o->place.is_identity ? p : mat_point(&o->place.from, p);
+    vec3 inner = o->place->is_identity ? p : mat_point(&o->place->from, p);
     return inside_inner(o, inner) != inverse;
 }

@@ -70,7 +70,7 @@ struct object {
     const struct light *light;          /* OBJECT_LIGHT */
     const struct object **child;
     size_t n_child;
-    struct transform place;             /* outer from inner */
+    const struct transform *place;      /* outer from inner; never NULL */
     const struct texture *texture;      /* bottom layer; NULL: the parent's */
     const struct texture *interior_texture;
     const struct interior *interior;    /* NULL: the parent's */
@@ -82,6 +82,7 @@ struct object {
     const char *name;                   /* it was declared under, or NULL */
     struct bounds box;                  /* holds the whole node, in outer space; perhaps not tightly */
     bool has_box;
+    bool own_place;                     /* place belongs to this node alone */
     bool keep_whole;                    /* split_union off */
     const char *unsupported;            /* a shape that cannot be rendered yet: an empty union, named */
     struct bounds reach;                /* of such a shape, in inner space */

@@ -46,7 +46,7 @@ static bool visible(const struct step *s, vec3 world, vec3 *inner, bool *flipped
             return false;
     if (s->object->flags & OBJECT_INVERSE)
         *flipped = !*flipped;
-    *inner = mat_point(&s->object->place.from, p);
+    *inner = mat_point(&s->object->place->from, p);
     return true;
 }
 
@@ -140,11 +140,11 @@ static void try_object(struct search *f, const struct step *s, const struct tran
                        struct ray ray)
 {
     const struct object *o = s->object;
-    struct transform place = transform_compose(outer, &o->place);
+    struct transform place = transform_compose(outer, o->place);
 
     if (o->has_box && !reaches(&o->box, ray, f->nearest))
         return;
-    struct ray r = inner_ray(ray, &o->place);
+    struct ray r = inner_ray(ray, o->place);
     if (o->kind == OBJECT_SHAPE)
         try_shape(f, s, &place);
     else if (o->kind == OBJECT_MESH)

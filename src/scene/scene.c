@@ -57,7 +57,7 @@ static void add_lights(struct scene *s, const struct object *o, const struct tra
 {
     if (o->kind != OBJECT_LIGHT && o->n_child == 0)
         return;
-    struct transform inner = transform_compose(place, &o->place);
+    struct transform inner = transform_compose(place, o->place);
     if (o->kind == OBJECT_LIGHT && o->light) {
         struct light moved = light_moved(o->light, &inner);
         if (moved.looks_like)

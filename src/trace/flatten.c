@@ -133,7 +133,7 @@ static struct context within(struct builder *b, const struct context *outer, con
 {
     struct context c = *outer;
 
-    c.placement = placed(b, outer->placement, &o->place);
+    c.placement = placed(b, outer->placement, o->place);
     c.flags = flags_within(outer, o);
     c.inverse ^= (o->flags & OBJECT_INVERSE) != 0;
     c.is_whole |= o->keep_whole;
