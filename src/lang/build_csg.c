@@ -22,6 +22,19 @@ static void warn_patch(struct lang *l, const struct object *of, const struct obj
         diag_warning(l->diag, child->at, "this has no inside: in an intersection or difference it cuts nothing");
 }
 
+/* The tracer walks objects by recursion; what is declared step by step
+ * escapes the limit on blocks in blocks. */
+static void count_depth(struct children *c, const struct object *child, struct loc at)
+{
+    struct lang *l = c->lang;
+
+    if (child->depth >= c->of->depth)
+        c->of->depth = child->depth + 1;
+    if (c->of->depth > l->limits->csg_depth)
+        lang_limit(l, at, "objects are nested more than %u deep (--max-csg-depth=N would let them)",
+                   l->limits->csg_depth);
+}
+
 static bool take_child(struct reader *r, const struct item *i, void *arg)
 {
     struct children *c = arg;
@@ -34,6 +47,7 @@ static bool take_child(struct reader *r, const struct item *i, void *arg)
         diag_error(r->lang->diag, i->at, "objects must stand before the modifiers");
     struct object *o = build_object(r->lang, i);
     warn_patch(r->lang, c->of, o);
+    count_depth(c, o, i->at);
     c->child = arena_grow(r->lang->mem, c->child, c->n, &c->room, sizeof *c->child);
     c->child[c->n++] = o;
     return true;

@@ -70,6 +70,7 @@ struct object {
     const struct light *light;          /* OBJECT_LIGHT */
     const struct object **child;
     size_t n_child;
+    unsigned depth;                     /* of the children in each other: 0 of a shape */
     const struct transform *place;      /* outer from inner; never NULL */
     const struct texture *texture;      /* bottom layer; NULL: the parent's */
     const struct texture *interior_texture;
