@@ -11,6 +11,27 @@ static struct arena mem;
 static void setup(void) { arena_init(&mem, NULL); }
 static void teardown(void) { arena_free(&mem); }
 
+START_TEST(test_an_arena_goes_back_to_a_mark_and_gives_zeros)
+{
+    struct arena a;
+    char *first, *again;
+
+    arena_init(&a, NULL);
+    arena_alloc(&a, 100);
+    struct arena_mark mark = arena_mark(&a);
+    first = memset(arena_alloc(&a, 1000), 7, 1000);
+    memset(arena_alloc(&a, 1 << 20), 7, 1 << 20);
+    arena_recycle(&a, mark);
+    memset(arena_alloc(&a, 3000), 7, 3000);
+    arena_recycle(&a, arena_mark(&a));
+    again = arena_alloc(&a, 1 << 19);
+    for (int i = 0; i < 1 << 19; i++)
+        ck_assert_int_eq(again[i], 0);
+    ck_assert(first != again);
+    arena_free(&a);
+}
+END_TEST
+
 START_TEST(test_memory_is_zeroed_and_aligned)
 {
     for (size_t size = 1; size < 100000; size = size * 3 + 1) {
@@ -206,6 +227,7 @@ int main(void)
     TCase *t = tcase_create("base");
 
     tcase_add_checked_fixture(t, setup, teardown);
+    tcase_add_test(t, test_an_arena_goes_back_to_a_mark_and_gives_zeros);
     tcase_add_test(t, test_memory_is_zeroed_and_aligned);
     tcase_add_test(t, test_a_budget_counts_what_arenas_hold_and_lets_go);
     tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);
