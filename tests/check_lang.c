@@ -171,7 +171,7 @@ START_TEST(test_one_mistake_is_one_message)
     fails_with("#declare A = 1 < 2;\n", "parentheses");
     fails_with("sphere { <0, 0, 0, 1 }\n", "missing '>'");
     fails_with("#declare S = \"abc;\n", "closing quote");
-    fails_with("#if (1)\n", "missing '#end'");
+    fails_with("#if (1)\n", "this has no '#end'");
     fails_with("#inculde \"x\"\n", "did you mean 'include'?");
 }
 END_TEST
