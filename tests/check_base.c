@@ -14,12 +14,12 @@ static void teardown(void) { arena_free(&mem); }
 START_TEST(test_an_arena_goes_back_to_a_mark_and_gives_zeros)
 {
     struct arena a;
-    char *first, *again;
+    char *again;
 
     arena_init(&a, NULL);
     arena_alloc(&a, 100);
     struct arena_mark mark = arena_mark(&a);
-    first = memset(arena_alloc(&a, 1000), 7, 1000);
+    memset(arena_alloc(&a, 1000), 7, 1000);
     memset(arena_alloc(&a, 1 << 20), 7, 1 << 20);
     arena_recycle(&a, mark);
     memset(arena_alloc(&a, 3000), 7, 3000);
