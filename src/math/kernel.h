@@ -4,7 +4,7 @@
  * instruction set (Makefile.am: engine variants) and one is picked when the
  * program starts, so fma() and vectors are inlined everywhere and not only in
  * marked loops.  KERNEL before a function says that its loop over restrict
- * arrays must have become vector code; tests/check-vectors asks the compiler. */
+ * arrays is meant to become vector code; -fopt-info-vec tells whether it did. */
 #ifndef RTC_KERNEL_H
 #define RTC_KERNEL_H
 
