@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#include "trace/wide.h"
+#include "math/wide.h"
 
 enum { MOST_NODES = 48 };               /* of a walk that is worth it */
 
@@ -17,29 +17,11 @@ static const double float_error = 0x1p-20;      /* of the walk, in tree units */
 
 /* --- the two boxes --------------------------------------------------------- */
 
-/* Vectors go between inlined functions only: there is no ABI to break. */
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-typedef int64_t wide_bits __attribute__((vector_size(WIDE * sizeof(int64_t))));
-
 struct extent { wide low, high; };
 
 struct ends { struct extent at[2][3]; wide far_off; };      /* far_off: the largest coordinate */
 
 struct line { wide o, d, inverse; };
-
-INLINE wide wide_load(const double *p)
-{
-    wide v;
-
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-INLINE wide wide_either(wide_bits which, wide a, wide b)
-{
-    return (wide)(((wide_bits)a & which) | ((wide_bits)b & ~which));
-}
 
 INLINE struct line line_of(const double *from, const double *dir, double middle, double scale)
 {
@@ -57,10 +39,10 @@ INLINE void line_clip(const struct line *l, wide reach, wide *begin, wide *end)
 }
 
 /* Rays that miss the tree change nothing. */
-INLINE void extent_join(struct extent *e, wide at, wide_bits misses)
+INLINE void extent_join(struct extent *e, wide at, wide_mask misses)
 {
-    e->low = wide_min(wide_either(misses, wide_of(INFINITY), at), e->low);
-    e->high = wide_max(wide_either(misses, wide_of(-INFINITY), at), e->high);
+    e->low = wide_min(wide_pick(misses, wide_of(INFINITY), at), e->low);
+    e->high = wide_max(wide_pick(misses, wide_of(-INFINITY), at), e->high);
 }
 
 INLINE wide size_of(wide a) { return wide_max(a, -a); }
@@ -82,8 +64,8 @@ static void ends_join(struct ends *e, const struct bvh *b, const struct rays *r,
     line_clip(&x, b->half.x + error, &begin, &end);
     line_clip(&y, b->half.y + error, &begin, &end);
     line_clip(&z, b->half.z + error, &begin, &end);
-    wide_bits misses = begin > end;
-    e->far_off = wide_max(wide_either(misses, wide_of(0), off), e->far_off);
+    wide_mask misses = wide_below(end, begin);
+    e->far_off = wide_max(wide_pick(misses, wide_of(0), off), e->far_off);
     const struct line *line[] = { &x, &y, &z };
     for (int axis = 0; axis < 3; axis++) {
         extent_join(&e->at[0][axis], line[axis]->o + begin * line[axis]->d, misses);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "trace/wide.h"
+#include "math/wide.h"
 #include "trace/world.h"
 
 enum { PARTS_A_LEAF = 2, MOST_MESH_HITS = 1 << 14 };
