@@ -126,6 +126,52 @@ START_TEST(test_a_row_is_complete)
 }
 END_TEST
 
+static void span_is_of(const struct shape_ops *ops, const void *self, struct ray ray, double near,
+                       double far)
+{
+    struct hit h[SHAPE_MOST_HITS];
+    int n = ops->hits(self, ray, h);
+
+    if (isnan(near))
+        ck_assert(isnan(far));
+    else if (n == 0)
+        ck_assert(near > far);
+    else if (n == 1)
+        ck_assert((near == h[0].t && far > 0 && isinf(far))
+                  || (far == h[0].t && near < 0 && isinf(near)));
+    else
+        ck_assert(n == 2 && near == h[0].t && far == h[1].t);
+}
+
+/* Few are left to hits(): else there would be nothing to compare. */
+START_TEST(test_spans_are_what_hits_say)
+{
+    EACH_SHAPE;
+    int left = 0, met = 0;
+    for (int i = 0; ops->spans && i < ROUNDS; i++) {
+        void *self = some_shape(ops, NULL);
+        struct ray ray[RAYS];
+        double of[6][RAYS], near[RAYS], far[RAYS];
+        while (ops->is_leaky && ops->is_leaky(self))
+            self = some_shape(ops, NULL);
+        for (int j = 0; j < RAYS; j++) {
+            ray[j] = some_ray(ops, self, 4);
+            for (int axis = 0; axis < 3; axis++) {
+                of[axis][j] = vec_get(ray[j].origin, axis);
+                of[3 + axis][j] = vec_get(ray[j].dir, axis);
+            }
+        }
+        ops->spans(self, &(struct rays) { RAYS, of[0], of[1], of[2], of[3], of[4], of[5] }, near, far);
+        for (int j = 0; j < RAYS; j++) {
+            span_is_of(ops, self, ray[j], near[j], far[j]);
+            left += isnan(near[j]);
+            met += near[j] <= far[j];
+        }
+    }
+    ck_assert(!ops->spans || (met > ROUNDS * RAYS / 4 && left < ROUNDS * RAYS / 20));
+}
+END_TEST
+
 START_TEST(test_hits_come_in_order_and_within_bounds)
 {
     EACH_SHAPE;
@@ -713,6 +759,7 @@ int main(void)
     tcase_set_timeout(rows, 60);
     tcase_set_timeout(exact, 60);
     tcase_add_loop_test(rows, test_a_row_is_complete, 0, n);
+    tcase_add_loop_test(rows, test_spans_are_what_hits_say, 0, n);
     tcase_add_loop_test(rows, test_hits_come_in_order_and_within_bounds, 0, n);
     tcase_add_loop_test(rows, test_nearest_is_the_first_hit_within_limits, 0, n);
     tcase_add_loop_test(rows, test_a_normal_points_outward_across_the_surface, 0, n);

@@ -39,11 +39,14 @@ static struct bounds bounds(const void *self)
 
 struct slab { double enter, leave; };
 
-/* The ends are picked by the sign bit and not by comparing: no branch, and
- * a line in a face's plane, which makes 0 * inf, leaves a NaN at the end
- * where it belongs. */
-INLINE struct slab slab_of(double first, double last, double origin, double inverse)
+/* The ends are picked by the sign and not by comparing: no branch, and a
+ * line in a face's plane, which makes 0 * inf, leaves a NaN at the end where
+ * it belongs. */
+INLINE struct slab slab_of(double low, double high, double origin, double inverse)
 {
+    bool down = inverse < 0;            /* -inf, for a direction of -0 */
+    double first = down ? high : low, last = down ? low : high;
+
     return (struct slab) { (first - origin) * inverse, (last - origin) * inverse };
 }
 
@@ -51,33 +54,64 @@ INLINE struct slab slab_of(double first, double last, double origin, double inve
 INLINE double later(double a, double b) { return a > b ? a : b; }
 INLINE double sooner(double a, double b) { return a < b ? a : b; }
 
-/* dx, dy, dz: is it the high face of that axis? */
-INLINE uint32_t face_of(double t, double x, double y, bool dx, bool dy, bool dz)
-{
-    return t == x ? LOW_X + dx : t == y ? LOW_Y + dy : LOW_Z + dz;
-}
+struct slabs { struct slab x, y, z, all; bool meets; };
 
 /* Each slab's t has three roundings, so a line through an edge may seem to
  * leave before it enters by twice that: it still hits. */
-INLINE bool cut(const void *self, struct ray ray, struct span *out)
+INLINE struct slabs slabs_of(const struct box *s, struct ray ray)
 {
-    const struct box *s = self;
-    double ix = 1 / ray.dir.x, iy = 1 / ray.dir.y, iz = 1 / ray.dir.z;
-    bool dx = signbit(ix), dy = signbit(iy), dz = signbit(iz);
-    const vec3 *c = s->corner;
-    struct slab x = slab_of(c[dx].x, c[!dx].x, ray.origin.x, ix);
-    struct slab y = slab_of(c[dy].y, c[!dy].y, ray.origin.y, iy);
-    struct slab z = slab_of(c[dz].z, c[!dz].z, ray.origin.z, iz);
+    const vec3 low = s->corner[0], high = s->corner[1];
+    struct slab x = slab_of(low.x, high.x, ray.origin.x, 1 / ray.dir.x);
+    struct slab y = slab_of(low.y, high.y, ray.origin.y, 1 / ray.dir.y);
+    struct slab z = slab_of(low.z, high.z, ray.origin.z, 1 / ray.dir.z);
     double near = later(z.enter, later(y.enter, later(x.enter, -INFINITY)));
     double far = sooner(z.leave, sooner(y.leave, sooner(x.leave, INFINITY)));
 
-    if (!(near - 8 * ROUNDING * fabs(near) <= far))
+    return (struct slabs) { x, y, z, { near, later(far, near) },
+                            near - 8 * ROUNDING * fabs(near) <= far };
+}
+
+/* Which face was crossed at t by a line that comes from there or goes there. */
+INLINE uint32_t face_of(double t, double x, double y, vec3 from)
+{
+    return t == x ? LOW_X + signbit(from.x) : t == y ? LOW_Y + signbit(from.y)
+                                                     : LOW_Z + signbit(from.z);
+}
+
+INLINE bool cut(const void *self, struct ray ray, struct span *out)
+{
+    struct slabs s = slabs_of(self, ray);
+
+    if (!s.meets)
         return false;
-    out->near_part = face_of(near, x.enter, y.enter, dx, dy, dz);
-    out->far_part = face_of(far, x.leave, y.leave, !dx, !dy, !dz);
-    out->near = near;
-    out->far = later(far, near);
+    out->near_part = face_of(s.all.enter, s.x.enter, s.y.enter, ray.dir);
+    out->far_part = face_of(s.all.leave, s.x.leave, s.y.leave, vec_neg(ray.dir));
+    out->near = s.all.enter;
+    out->far = s.all.leave;
     return true;
+}
+
+KERNEL static void slices(const struct box *s, int n, const double *restrict x,
+                          const double *restrict y, const double *restrict z,
+                          const double *restrict dx, const double *restrict dy,
+                          const double *restrict dz, double *restrict near, double *restrict far)
+{
+    const struct box own = *s;
+
+    for (int i = 0; i < n; i++) {
+        struct ray ray = { { x[i], y[i], z[i] }, { dx[i], dy[i], dz[i] } };
+        struct slabs all = slabs_of(&own, ray);
+        bool is_tame = ray_is_tame(ray);
+        double first = all.meets ? all.all.enter : INFINITY;
+        double last = all.meets ? all.all.leave : -INFINITY;
+        near[i] = is_tame ? first : NAN;
+        far[i] = is_tame ? last : NAN;
+    }
+}
+
+static void spans(const void *self, const struct rays *r, double near[], double far[])
+{
+    slices(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
 static int hits(const void *self, struct ray ray, struct hit out[])
@@ -140,6 +174,6 @@ const struct shape_ops shape_box = {
     .name = "box", .help = "a block between two opposite corners, along the axes",
     .size = sizeof(struct box), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
     .inside = inside, .normal = normal, .uv = uv,
 };

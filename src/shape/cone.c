@@ -51,6 +51,11 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return frustum_nearest(of(self), ray, near, far, out);
 }
 
+static void spans(const void *self, const struct rays *rays, double near[], double far[])
+{
+    frustum_spans(of(self), rays, near, far);
+}
+
 static bool is_leaky(const void *self) { return of(self)->is_open; }
 static bool inside(const void *self, vec3 p) { return frustum_inside(of(self), p); }
 
@@ -63,6 +68,6 @@ const struct shape_ops shape_cone = {
     .name = "cone", .help = "a piece of a cone between two discs; a radius of 0 is a point",
     .size = sizeof(struct cone), .defaults = &defaults, .args = args, .n_required = 4,
     .words = words, .is_solid = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
     .is_leaky = is_leaky, .inside = inside, .normal = normal,
 };

@@ -52,6 +52,11 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return frustum_nearest(of(self), ray, near, far, out);
 }
 
+static void spans(const void *self, const struct rays *rays, double near[], double far[])
+{
+    frustum_spans(of(self), rays, near, far);
+}
+
 static bool is_leaky(const void *self) { return of(self)->is_open; }
 static bool inside(const void *self, vec3 p) { return frustum_inside(of(self), p); }
 
@@ -64,6 +69,6 @@ const struct shape_ops shape_cylinder = {
     .name = "cylinder", .help = "a tube between two points",
     .size = sizeof(struct cylinder), .defaults = &defaults, .args = args, .n_required = 3,
     .words = words, .is_solid = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
     .is_leaky = is_leaky, .inside = inside, .normal = normal,
 };

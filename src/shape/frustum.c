@@ -67,73 +67,127 @@ INLINE vec3 to_own(const struct frustum *s, vec3 p)
     return turn(s, vec_scale(vec_sub(p, s->base), s->unit));
 }
 
-/* Where the line p + t d is inside of the infinite cone's nappe of positive
- * radius.  With rho the radius at the line's height, that is
- * x^2 + y^2 - rho^2 < 0, a quadratic form whose discriminant is the Gram
- * determinant of p and d: three 2x2 determinants, each right to 1.5 ulp. */
-INLINE bool cut_wall(const struct frustum *s, vec3 p, vec3 d, double *near, double *far)
+/* A ray as the frustum sees it, re-centred at the closest approach to the
+ * base's centre. */
+struct line { vec3 p, d; double mid; };
+
+INLINE struct line line_of(const struct frustum *s, struct ray ray)
+{
+    vec3 from = to_own(s, ray.origin), d = turn(s, ray.dir);
+    double mid = -vec_dot(from, d) / vec_dot(d, d);
+
+    return (struct line) { vec_fma(from, mid, d), d, mid };
+}
+
+/* Where the line is inside of the infinite cone's nappe of positive radius.
+ * With rho the radius at the line's height, that is x^2 + y^2 - rho^2 < 0, a
+ * quadratic form whose discriminant is the Gram determinant of p and d: three
+ * 2x2 determinants, each right to 1.5 ulp. */
+struct wall { double rho, grow, left, a, b, c; };
+
+INLINE struct wall wall_of(const struct frustum *s, vec3 p, vec3 d)
 {
     double rho = fma(s->slope, p.z, s->r), grow = s->slope * d.z;
     double u = difference_of_products(p.x, grow, rho, d.x);
     double v = difference_of_products(p.y, grow, rho, d.y);
     double w = difference_of_products(p.x, d.y, p.y, d.x);
-    double left = u * u + v * v - w * w;
-    double a = d.x * d.x + d.y * d.y - grow * grow;
-    double b = p.x * d.x + p.y * d.y - rho * grow;
-    double c = p.x * p.x + p.y * p.y - rho * rho;
 
-    if (UNLIKELY(a == 0 && grow == 0)) {        /* along a cylinder's axis */
-        *near = -INFINITY;
-        *far = INFINITY;
-        return dd_sub(dd_add(dd_product(p.x, p.x), dd_product(p.y, p.y)),
-                      dd_product(rho, rho)).hi < 0;
-    }
-    if (a > 0 && !(left > 0))
-        return false;
-    double root = sqrt(fmax(left, 0)), q = -(b + copysign(root, b));
-    double t = a != 0 ? q / a : b < 0 ? -INFINITY : INFINITY;
-    double o = q != 0 ? c / q : t;
-
-    if (a > 0) {                                /* one nappe, twice: which? */
-        *near = fmin(t, o);
-        *far = fmax(t, o);
-        return rho * a - grow * b >= 0;
-    }
-    *near = grow > 0 ? fmax(t, o) : -INFINITY;  /* each nappe once */
-    *far = grow > 0 ? INFINITY : fmin(t, o);
-    return true;
+    return (struct wall) { rho, grow, u * u + v * v - w * w,
+                           d.x * d.x + d.y * d.y - grow * grow,
+                           p.x * d.x + p.y * d.y - rho * grow,
+                           p.x * p.x + p.y * p.y - rho * rho };
 }
 
-/* Re-centred at the closest approach to the base's centre.  Wall and slab
- * are cut with each other, so a rim is crossed once, and the other nappe,
- * which the slab excludes, never. */
+struct chord { double near, far; };
+
+/* One nappe is cut twice, or each once.  False: not this one. */
+INLINE bool cut_wall(const struct wall *w, struct chord *out)
+{
+    double root = sqrt(larger(w->left, 0)), q = -(w->b + copysign(root, w->b));
+    double t = w->a != 0 ? q / w->a : w->b < 0 ? -INFINITY : INFINITY;
+    double o = q != 0 ? w->c / q : t;
+    double first = smaller(t, o), last = larger(t, o);
+    bool is_one = w->a > 0;
+
+    out->near = is_one ? first : w->grow > 0 ? last : -INFINITY;
+    out->far = is_one ? last : w->grow > 0 ? INFINITY : first;
+    return !is_one || (w->left > 0 && w->rho * w->a - w->grow * w->b >= 0);
+}
+
+INLINE bool is_along_tube(const struct wall *w) { return w->a == 0 && w->grow == 0; }
+
+static __attribute__((noinline)) bool cut_along_tube(vec3 p, double rho, struct chord *out)
+{
+    out->near = -INFINITY;
+    out->far = INFINITY;
+    return dd_sub(dd_add(dd_product(p.x, p.x), dd_product(p.y, p.y)), dd_product(rho, rho)).hi < 0;
+}
+
+/* Between the two discs; NaN in a disc's plane. */
+INLINE struct chord discs_of(const struct frustum *s, double z, double dz)
+{
+    double a = (0 - z) / dz, b = (s->height - z) / dz;
+    bool down = copysign(1, dz) < 0;
+
+    return (struct chord) { down ? b : a, down ? a : b };
+}
+
+/* Wall and slab are cut with each other, so a rim is crossed once, and the
+ * other nappe, which the slab excludes, never. */
 INLINE bool cut(const void *self, struct ray ray, struct span *out)
 {
     const struct frustum *s = self;
-    vec3 from = to_own(s, ray.origin), d = turn(s, ray.dir);
-    double mid = -vec_dot(from, d) / vec_dot(d, d);
-    vec3 p = vec_fma(from, mid, d);
-    double near, far;
+    struct line line = line_of(s, ray);
+    struct wall w = wall_of(s, line.p, line.d);
+    struct chord wall;
 
-    if (!cut_wall(s, p, d, &near, &far))
+    if (UNLIKELY(is_along_tube(&w))) {
+        struct chord tube;              /* so that wall need not live in memory */
+        if (!cut_along_tube(line.p, w.rho, &tube))
+            return false;
+        wall = tube;
+    } else if ((w.a > 0 && !(w.left > 0)) || !cut_wall(&w, &wall)) {
         return false;
-    double a = (0 - p.z) / d.z, b = (s->height - p.z) / d.z;
-    bool down = signbit(d.z);
-    double enter = down ? b : a, leave = down ? a : b;      /* NaN: in a cap's plane */
-    uint32_t first = FRUSTUM_WALL, last = FRUSTUM_WALL;
-
-    if (enter > near) {
-        near = enter;
-        first = down ? FRUSTUM_CAP : FRUSTUM_BASE;
     }
-    if (leave < far) {
-        far = leave;
-        last = down ? FRUSTUM_BASE : FRUSTUM_CAP;
-    }
+    struct chord discs = discs_of(s, line.p.z, line.d.z);
+    bool by_disc = discs.near > wall.near, to_disc = discs.far < wall.far;
+    double near = by_disc ? discs.near : wall.near, far = to_disc ? discs.far : wall.far;
     if (!(near <= far))
         return false;
-    *out = (struct span) { (mid + near) * s->size, (mid + far) * s->size, first, last };
+    bool down = signbit(line.d.z);
+    out->near = (line.mid + near) * s->size;
+    out->far = (line.mid + far) * s->size;
+    out->near_part = !by_disc ? FRUSTUM_WALL : down ? FRUSTUM_CAP : FRUSTUM_BASE;
+    out->far_part = !to_disc ? FRUSTUM_WALL : down ? FRUSTUM_BASE : FRUSTUM_CAP;
     return true;
+}
+
+KERNEL static void chords(const struct frustum *s, int n, const double *restrict x,
+                          const double *restrict y, const double *restrict z,
+                          const double *restrict dx, const double *restrict dy,
+                          const double *restrict dz, double *restrict near, double *restrict far)
+{
+    const struct frustum own = *s;
+
+    for (int i = 0; i < n; i++) {
+        struct ray ray = { { x[i], y[i], z[i] }, { dx[i], dy[i], dz[i] } };
+        struct line line = line_of(&own, ray);
+        struct wall w = wall_of(&own, line.p, line.d);
+        struct chord wall;
+        bool meets = cut_wall(&w, &wall), is_left = is_along_tube(&w) | !ray_is_tame(ray);
+        struct chord discs = discs_of(&own, line.p.z, line.d.z);
+        double first = larger(discs.near, wall.near), last = smaller(discs.far, wall.far);
+        meets &= first <= last;
+        first = meets ? (line.mid + first) * own.size : INFINITY;
+        last = meets ? (line.mid + last) * own.size : -INFINITY;
+        near[i] = is_left ? NAN : first;
+        far[i] = is_left ? NAN : last;
+    }
+}
+
+void frustum_spans(const struct frustum *s, const struct rays *r, double near[], double far[])
+{
+    chords(s, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
 int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[])

@@ -28,5 +28,6 @@ vec3 frustum_normal(const struct frustum *s, vec3 p, const struct hit *h);
 int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[]);
 bool frustum_nearest(const struct frustum *s, struct ray ray, double near, double far,
                      struct hit *out);
+void frustum_spans(const struct frustum *s, const struct rays *rays, double near[], double far[]);
 
 #endif

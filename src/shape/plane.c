@@ -62,6 +62,28 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return true;
 }
 
+KERNEL static void halves(const struct plane *s, int n, const double *restrict x,
+                          const double *restrict y, const double *restrict z,
+                          const double *restrict dx, const double *restrict dy,
+                          const double *restrict dz, double *restrict near, double *restrict far)
+{
+    const struct plane own = *s;
+
+    for (int i = 0; i < n; i++) {
+        struct ray ray = { { x[i], y[i], z[i] }, { dx[i], dy[i], dz[i] } };
+        double t;
+        bool crosses = cross(&own, ray, &t), from_inside = vec_dot(own.normal, ray.dir) > 0;
+        double first = from_inside ? -INFINITY : t, last = from_inside ? t : INFINITY;
+        near[i] = crosses ? first : NAN;
+        far[i] = crosses ? last : NAN;
+    }
+}
+
+static void spans(const void *self, const struct rays *r, double near[], double far[])
+{
+    halves(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
+}
+
 static bool starts_inside(const void *self, vec3 dir)
 {
     return vec_dot(((const struct plane *)self)->normal, dir) > 0;
@@ -84,6 +106,6 @@ const struct shape_ops shape_plane = {
     .name = "plane", .help = "an infinite plane; the side away from its normal is inside",
     .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_infinite = true, .most_hits = 1,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
     .starts_inside = starts_inside, .inside = inside, .normal = normal,
 };

@@ -17,6 +17,17 @@ struct ray { vec3 origin, dir; };       /* dir of any length but 0; t counts in 
 
 static inline vec3 ray_at(struct ray r, double t) { return vec_fma(r.origin, t, r.dir); }
 
+/* Rays in arrays. */
+struct rays {
+    int n;
+    const double *x, *y, *z, *dx, *dy, *dz;
+};
+
+static inline struct ray rays_at(const struct rays *r, int i)
+{
+    return (struct ray) { { r->x[i], r->y[i], r->z[i] }, { r->dx[i], r->dy[i], r->dz[i] } };
+}
+
 /* Where a line meets a surface.  slack bounds the distance between the
  * computed point ray_at(t) and the true surface, in the shape's own units: a
  * ray that starts there starts outside of it. */
@@ -70,6 +81,12 @@ struct shape_ops {
      * NULL: the caller uses hits(). */
     bool (*nearest)(const void *self, const struct ray *along, double near, double far,
                     struct hit *out);
+
+    /* For convex solids that are not leaky: what of each ray's whole line
+     * lies inside, between the very t that hits() says; near > far: nothing.
+     * Both NaN: this ray is left to hits().  No array overlaps another.
+     * NULL: nobody wrote it. */
+    void (*spans)(const void *self, const struct rays *rays, double near[], double far[]);
 };
 
 extern const struct shape_ops *const shapes[];      /* NULL ends */

@@ -69,9 +69,14 @@ static __attribute__((noinline)) bool cut_closely(const struct sphere *s, struct
 
 /* The ray re-centred at its closest approach, so that the error grows with
  * distance and not with its square. */
-INLINE bool cut(const void *self, struct ray ray, struct span *out)
+struct approach {
+    double mid, inverse;                /* its t, in units; one over the square of dir */
+    double left;                        /* the square of half the chord, times that of dir */
+    bool is_close;                      /* to touching the sphere: left may have either sign */
+};
+
+INLINE struct approach approach_of(const struct sphere *s, struct ray ray)
 {
-    const struct sphere *s = self;
     vec3 from = vec_scale(vec_sub(ray.origin, s->centre), s->unit);
     double inverse = 1 / vec_dot(ray.dir, ray.dir);
     double mid = -vec_dot(from, ray.dir) * inverse;
@@ -79,18 +84,50 @@ INLINE bool cut(const void *self, struct ray ray, struct span *out)
     double left = fma(s->r, s->r, -vec_dot(c, c));
     double error = 4 * ROUNDING * (vec_sum_abs(from) + s->r);   /* of c */
 
-    if (UNLIKELY(fabs(left) <= error * (4 * s->r + error))) {
+    return (struct approach) { mid, inverse, left, fabs(left) <= error * (4 * s->r + error) };
+}
+
+INLINE bool cut(const void *self, struct ray ray, struct span *out)
+{
+    const struct sphere *s = self;
+    struct approach a = approach_of(s, ray);
+
+    if (UNLIKELY(a.is_close)) {
         struct span close;              /* so that out need not live in memory */
-        bool meets = cut_closely(s, ray, mid, &close);
+        bool meets = cut_closely(s, ray, a.mid, &close);
         if (meets)
             *out = close;
         return meets;
     }
-    if (!(left > 0))
+    if (!(a.left > 0))
         return false;
-    double half = sqrt(left * inverse);
-    *out = (struct span) { (mid - half) * s->size, (mid + half) * s->size, 0, 0 };
+    double half = sqrt(a.left * a.inverse);
+    *out = (struct span) { (a.mid - half) * s->size, (a.mid + half) * s->size, 0, 0 };
     return true;
+}
+
+KERNEL static void chords(const struct sphere *s, int n, const double *restrict x,
+                          const double *restrict y, const double *restrict z,
+                          const double *restrict dx, const double *restrict dy,
+                          const double *restrict dz, double *restrict near, double *restrict far)
+{
+    const struct sphere own = *s;
+
+    for (int i = 0; i < n; i++) {
+        struct ray ray = { { x[i], y[i], z[i] }, { dx[i], dy[i], dz[i] } };
+        struct approach a = approach_of(&own, ray);
+        bool is_left = a.is_close || !ray_is_tame(ray);
+        double half = sqrt(a.left * a.inverse);
+        double first = a.left > 0 ? (a.mid - half) * own.size : INFINITY;
+        double last = a.left > 0 ? (a.mid + half) * own.size : -INFINITY;
+        near[i] = is_left ? NAN : first;
+        far[i] = is_left ? NAN : last;
+    }
+}
+
+static void spans(const void *self, const struct rays *r, double near[], double far[])
+{
+    chords(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
 static int hits(const void *self, struct ray ray, struct hit out[])
@@ -134,6 +171,6 @@ const struct shape_ops shape_sphere = {
     .name = "sphere", .help = "all points nearer to a centre than a radius",
     .size = sizeof(struct sphere), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_ball = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
     .inside = inside, .normal = normal, .uv = uv,
 };

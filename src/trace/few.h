@@ -18,12 +18,6 @@ struct few {
     double side[2][3][FEW];             /* low and high, padded; infinite for planes */
 };
 
-/* Rays in arrays.  1/0 is infinite, as it should be. */
-struct rays {
-    int n;
-    const double *x, *y, *z, *dx, *dy, *dz;
-};
-
 void few_add(struct few *f, uint32_t item, const struct bounds *box);   /* n < FEW */
 
 /* Bit k of may[i]: ray i may meet item k with 0 <= t < far[i] (far NULL: any). */

@@ -390,11 +390,6 @@ bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, d
 
 enum { MANY = 256 };                    /* rays at a time */
 
-static struct ray ray_of(const struct rays *r, int i)
-{
-    return (struct ray) { { r->x[i], r->y[i], r->z[i] }, { r->dx[i], r->dy[i], r->dz[i] } };
-}
-
 static struct rays rays_from(const struct rays *r, int at, int most)
 {
     int n = r->n - at < most ? r->n - at : most;
@@ -482,7 +477,7 @@ static void nearest_of_choice(const struct plan *p, struct scratch *s, const str
             continue;
         out[i].t = INFINITY;
         out[i].instance = NO_INSTANCE;
-        search.ray = ray_of(r, i);
+        search.ray = rays_at(r, i);
         search.mask = mask[i];
         search.far = INFINITY;
         search.best = &out[i];
@@ -496,7 +491,7 @@ static void nearest_of_each(const struct plan *p, struct scratch *s, const struc
                             const uint8_t *mask, struct meeting *out)
 {
     for (int i = 0; i < r->n; i++)
-        geometry_nearest(p, s, ray_of(r, i), INFINITY, mask[i], &out[i]);
+        geometry_nearest(p, s, rays_at(r, i), INFINITY, mask[i], &out[i]);
 }
 
 static void nearest_of_few(const struct plan *p, struct scratch *s, const struct rays *rays,
@@ -583,7 +578,7 @@ static void blocked_by_choice(const struct plan *p, struct scratch *s, const str
         barrier[i] = clear && p->has_transparency ? clear | c->list : 0;
         if (!(may[i] & c->opaque))
             continue;
-        search.ray = ray_of(r, i);
+        search.ray = rays_at(r, i);
         search.far = far[i];
         if (few_block(&search, c->few, (uint32_t)(may[i] & c->opaque), last))
             barrier[i] = BARRIER_OPAQUE;
@@ -596,7 +591,7 @@ static void blocked_by_each(const struct plan *p, struct scratch *s, const struc
                             const double *far, uint32_t light, uint64_t *barrier)
 {
     for (int i = 0; i < r->n; i++)
-        barrier[i] = geometry_blocked(p, s, ray_of(r, i), far[i], light) ? BARRIER_OPAQUE
+        barrier[i] = geometry_blocked(p, s, rays_at(r, i), far[i], light) ? BARRIER_OPAQUE
                      : p->has_transparency ? BARRIER_ANY : 0;
 }
 
