@@ -165,13 +165,6 @@ static double number(struct reader *r, const struct field *f, const char *word)
     return in_range(r, f, word, at, reader_number(r, false, word));
 }
 
-static int whole(double x)
-{
-    if (!(x > -2147483648.0))
-        return -2147483647 - 1;
-    return x < 2147483647.0 ? (int)x : 2147483647;
-}
-
 static void vector(struct reader *r, const struct field *f, const char *word, int n, double *to)
 {
     struct loc at = reader_at(r);
@@ -194,7 +187,7 @@ bool build_field(struct reader *r, const struct field *f, const char *word, stru
         *(bool *)to = build_flag(r);
         return true;
     case FIELD_INT:
-        *(int *)to = whole(number(r, f, word));
+        *(int *)to = value_whole(number(r, f, word));
         return true;
     case FIELD_NUM: case FIELD_DEGREES:
         *(double *)to = number(r, f, word);

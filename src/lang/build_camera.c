@@ -47,7 +47,7 @@ static void read_kind(struct reader *r, struct camera_words *w)
     if (w->kind != CAMERA_CYLINDER1)
         return;
     struct loc at = reader_at(r);
-    int n = (int)reader_number(r, false, "kind of cylinder camera");
+    int n = reader_whole(r, false, "kind of cylinder camera");
     if (n < 1 || n > 4)
         diag_error(r->lang->diag, at, "cylinder cameras have the kinds 1 to 4");
     else
@@ -71,13 +71,13 @@ static void read_angle(struct reader *r, struct camera_words *w)
 
 static void read_blur(struct reader *r, struct camera_words *w)
 {
-    w->blur_samples = (int)reader_number(r, false, "blur_samples");
+    w->blur_samples = reader_whole(r, false, "blur_samples");
     w->blur_samples_min = 0;
     reader_skip_comma(r);
     if (!reader_is_number(r))
         return;
     w->blur_samples_min = w->blur_samples;
-    w->blur_samples = (int)reader_number(r, false, "blur_samples");
+    w->blur_samples = reader_whole(r, false, "blur_samples");
 }
 
 static void skip_bokeh(struct lang *l, const struct item *block)

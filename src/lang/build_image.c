@@ -143,7 +143,7 @@ static void read_transparency(struct reader *r, struct reading *w, const char *w
     struct image_palette *p = add_palette(r->lang, w);
 
     if (!reader_takes_word(r, "all"))
-        p->entry = (int)reader_number(r, false, word);
+        p->entry = reader_whole(r, false, word);
     float x = (float)reader_number(r, true, word);
     if (strcmp(word, "filter") == 0)
         p->filter = x;

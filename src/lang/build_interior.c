@@ -13,7 +13,7 @@ static void read_scattering(struct reader *outer, const struct item *block, stru
 
     reader_open(&r, outer->lang, block->body);
     struct loc at = reader_at(&r);
-    m->scattering_type = (int)reader_number(&r, false, "type of scattering");
+    m->scattering_type = reader_whole(&r, false, "type of scattering");
     if (m->scattering_type < 1 || m->scattering_type > 5)
         diag_error(outer->lang->diag, at, "scattering has the types 1 to 5");
     m->scattering = colour_take_rgb(&r, true, "scattering");
@@ -46,10 +46,10 @@ static bool read_media_item(struct reader *r, const struct item *i, struct media
     else if (item_is_block(i, "density"))
         add_density(r->lang, i, m);
     else if (i->kind == ITEM_WORD && item_is(i, "samples")) {
-        m->samples_min = m->samples_max = (int)reader_number(r, false, "samples");
+        m->samples_min = m->samples_max = reader_whole(r, false, "samples");
         reader_skip_comma(r);
         if (reader_is_number(r))
-            m->samples_max = (int)reader_number(r, false, "samples");
+            m->samples_max = reader_whole(r, false, "samples");
     } else
         return build_from_table(r, media_fields, i, m);
     return true;

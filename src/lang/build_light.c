@@ -40,7 +40,7 @@ static int count(struct reader *r, const char *what)
 
     reader_skip_comma(r);
     at = reader_at(r);
-    int n = (int)reader_number(r, false, what);
+    int n = reader_whole(r, false, what);
     if (n >= 1)
         return n;
     diag_error(r->lang->diag, at, "an area light needs at least 1 light each way, not %d", n);

@@ -233,7 +233,7 @@ static void call_dimensions(struct arguments *a, struct value *out)
 
 static void call_dimension_size(struct arguments *a, struct value *out)
 {
-    one(out, (double)array_size(a->v[0].thing, (int)arg(a, 1)));
+    one(out, (double)array_size(a->v[0].thing, value_whole(arg(a, 1))));
 }
 
 static void call_defined(struct arguments *a, struct value *out)

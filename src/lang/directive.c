@@ -776,7 +776,7 @@ static void set_version(struct lang *l, const struct ast *node)
         wrong_type(l, node->right->at, &v, "a number");
         return;
     }
-    int version = (int)floor(v.v[0] * 100 + 0.5);
+    int version = value_whole(floor(v.v[0] * 100 + 0.5));
     if (version > 370) {
         diag_error(l->diag, node->right->at,
                    "this scene is for version %g of the language; rtc knows 3.7", v.v[0]);

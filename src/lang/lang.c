@@ -123,7 +123,7 @@ struct lang *lang_new(const struct lang_setup *setup)
     l->diag = setup->diag;
     l->limits = setup->limits;
     l->folder = "";
-    l->version = setup->version > 0 ? (int)(setup->version * 100 + 0.5) : 370;
+    l->version = setup->version > 0 ? value_whole(setup->version * 100 + 0.5) : 370;
     l->version_given = setup->version > 0;
     names_init(&l->names, l->mem);
     words_init(l);

@@ -418,6 +418,11 @@ double reader_number(struct reader *r, bool comma, const char *what)
     return x;
 }
 
+int reader_whole(struct reader *r, bool comma, const char *what)
+{
+    return value_whole(reader_number(r, comma, what));
+}
+
 const char *reader_text(struct reader *r, bool comma, const char *what)
 {
     if (comma)

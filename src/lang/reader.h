@@ -68,6 +68,7 @@ bool reader_takes_word(struct reader *r, const char *word); /* takes that word i
  * reported and a harmless value returned, the item left in place.
  * Promotion follows facts sdl.md 2.3. */
 double reader_number(struct reader *r, bool comma, const char *what);
+int reader_whole(struct reader *r, bool comma, const char *what);        /* value_whole of it */
 bool reader_vector(struct reader *r, bool comma, int n, double *v, const char *what);
 const char *reader_text(struct reader *r, bool comma, const char *what);
 bool reader_is_number(struct reader *r);            /* is a number of any size next? */

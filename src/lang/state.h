@@ -120,6 +120,7 @@ const char *lang_find_file(struct lang *l, struct loc at, const char *name,
 /* A value's doubles as n components, by the rules of facts sdl.md 2.3; false
  * if it is no number or has more. */
 bool value_components(const struct value *v, int n, double *out);
+int value_whole(double x);               /* towards 0, and the nearest int there is; NaN: the least */
 struct value value_number(double x);
 struct value value_vector(int n, const double *v);
 struct value value_text(struct lang *l, const char *bytes, size_t size);

@@ -48,6 +48,13 @@ struct value value_number(double x)
     return (struct value) { .type = VALUE_NUMBER, .n = 1, .v = { x } };
 }
 
+int value_whole(double x)
+{
+    if (!(x > -2147483648.0))
+        return -2147483647 - 1;
+    return x < 2147483647.0 ? (int)x : 2147483647;
+}
+
 struct value value_vector(int n, const double *v)
 {
     struct value value = { .type = VALUE_NUMBER, .n = n };
