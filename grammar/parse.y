@@ -61,6 +61,7 @@ static struct ast *splice_node(struct parse *p, struct loc at, struct ast *direc
     RGB "rgb" FUNC1 "function call" FUNC "function name" CONSTANT "constant" FUNCTION "function"
     ARRAY "array" MEMBER "component"
 %token <node> BULK "numbers"
+%token <node> BLOCK "block"
 %token <op> COMPARE "comparison"
 %token <node> BAD "unreadable characters"
 %token <node> MISSING_BRACE "missing '}'" MISSING_PAREN "missing ')'"
@@ -109,6 +110,7 @@ item: value                         { $$ = $1; }
     | braces                        { $$ = with_body(ast_new(p, AST_BRACES, @1), $1); }
     | brackets                      { $$ = with_body(ast_new(p, AST_ENTRY, @1), $1); }
     | BULK                          { $$ = $1; }
+    | BLOCK                         { $$ = $1; }        /* a word and plain braces */
     | ','                           { $$ = ast_new(p, AST_COMMA, @1); }
     | ':'                           { $$ = ast_new(p, AST_COLON, @1); }
     | ';'                           { $$ = ast_new(p, AST_SEMICOLON, @1); }
@@ -512,7 +514,7 @@ static bool may_run(const struct parse *p, const struct ast *item)
  * to be used again. */
 static void forget(struct parse *p, int ahead)
 {
-    bool has_node = ahead == TEXT || ahead == CONSTANTS || ahead == BULK || ahead == BAD
+    bool has_node = ahead == TEXT || ahead == CONSTANTS || ahead == BULK || ahead == BLOCK || ahead == BAD
         || (ahead >= MISSING_BRACE && ahead <= MISSING_END);
 
     p->root->first = p->root->last = NULL;
@@ -586,6 +588,7 @@ void scanner_dump(struct lang *l, uint32_t source, FILE *out)
     YYSTYPE value;
     struct loc at;
 
+    p->every_token = true;
     for (int token; (token = scanner_next(&value, &at, p)) != YYEOF;) {
         struct position from = source_position(l->sources, source, at.begin);
         int length = (int)(at.end - at.begin);

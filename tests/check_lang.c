@@ -235,6 +235,66 @@ START_TEST(test_files_outside_are_refused)
 }
 END_TEST
 
+/* The tree as --dump=ast prints it. */
+static char *tree_of(const char *text)
+{
+    char path[] = "/tmp/check_lang_XXXXXX", *dump;
+    FILE *f = fdopen(mkstemp(path), "w");
+    struct arena mem;
+    struct sources sources;
+    struct diag diag;
+    struct limits limits = LIMITS_DEFAULT;
+    size_t n;
+
+    fputs(text, f);
+    fclose(f);
+    arena_init(&mem, NULL);
+    sources_init(&sources, &mem);
+    diag_init(&diag, &sources, stderr);
+    struct lang_setup setup = { .mem = &mem, .scene_mem = &mem, .sources = &sources,
+                                .diag = &diag, .limits = &limits };
+    struct lang *l = lang_new(&setup);
+    f = open_memstream(&dump, &n);
+    lang_dump_ast(l, lang_parse(l, path), f);
+    fclose(f);
+    unlink(path);
+    lang_free(l);
+    arena_free(&mem);
+    return dump;
+}
+
+/* A form feed behind a brace is white space to the scanner, but more than plain
+ * blocks may hold: the same text by way of the grammar. */
+static void reads_alike(const char *text)
+{
+    char *plain = tree_of(text), *copy = strdup(text);
+
+    for (char *c = copy; (c = strstr(c, "{ ")); c += 2)
+        c[1] = '\f';
+    char *by_grammar = tree_of(copy);
+    ck_assert_str_eq(plain, by_grammar);
+    free(plain);
+    free(copy);
+    free(by_grammar);
+}
+
+START_TEST(test_a_plain_block_is_what_the_grammar_makes_of_it)
+{
+    reads_alike("sphere { <1, -2,3>, 0.5 texture { Ball } no_shadow }");
+    reads_alike("box { A, B pigment { rgb <1,2,3> filter 0.5 } scale -2 rotate x translate <1,2> }");
+    reads_alike("union { sphere { 0 1 } sphere { 0, 1 -1 } object { A scale 2 -3 } }");
+    reads_alike("union { sphere { A -1 } sphere { x*2, y } sphere { <1,2,3>*2, 1 } box { A.x B[0] } }");
+    reads_alike("spline { 1, 2, 3, 4, 5, 6, 7, 8, 9 } mesh2 { vertex_vectors { 2, <1,2,3>, <1,2,3> } }");
+    reads_alike("prism { 9, <1,2>, <1,2>, <1,2>, <1,2>, <1,2>, <1,2>, <1,2>, <1,2>, <1,2> }");
+    reads_alike("torus { 1, M(2) } torus { 1, .5 } torus { 1 .5.5 } lathe { 3 <1> <1,2,3,4,5,6> }");
+    reads_alike("#declare A = sphere { 0, 1 } sphere { 0, 1 } #declare T = texture { A } texture { B }");
+    reads_alike("#if (1) sphere { 0, 1 } #else box { 0, 1 } #end function { sphere { 0 1 } }");
+    reads_alike("#macro M(A) sphere { A, 1 } #end light_source { x rgb 1 spotlight on } a { 1 }");
+    reads_alike("sphere { 0, 1 sphere { 0, 1 ] } box { 0, 1; } cone { 0 1 } } fog { \"a\" } sky { [0 x] }");
+    reads_alike("a { b { c { d { e { f { g { h { i { j { k { 1 } } } } } } } } } } }");
+}
+END_TEST
+
 static Suite *lang_suite(void)
 {
     Suite *s = suite_create("lang");
@@ -249,6 +309,7 @@ static Suite *lang_suite(void)
     tcase_add_test(t, test_an_array_that_is_assigned_is_a_copy);
     tcase_add_test(t, test_a_run_of_constants_is_a_list_of_numbers);
     tcase_add_test(t, test_what_is_skipped_may_be_anything);
+    tcase_add_test(t, test_a_plain_block_is_what_the_grammar_makes_of_it);
     tcase_add_test(t, test_functions_freeze_numbers);
     tcase_add_test(t, test_random_streams_are_those_of_povray);
     tcase_add_test(t, test_one_mistake_is_one_message);

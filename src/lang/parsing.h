@@ -34,6 +34,7 @@ struct constant {
 };
 
 enum { SHORTEST_RUN = 8 };      /* constants that are worth a node of their own */
+enum { LONGEST_NAME = 255 };    /* POV-Ray's limit */
 
 struct parse {
     struct lang *lang;
@@ -50,6 +51,7 @@ struct parse {
     bool deep;                  /* nested beyond the limit: the rest is not read */
     int owed;                   /* a token to give again after those that close brackets */
     bool ended;
+    bool every_token;           /* blocks are given in parts, however plain they are */
     struct constant ahead[SHORTEST_RUN];
     unsigned n_ahead;
     struct ast *pending;        /* a message that no list has taken yet */
@@ -77,6 +79,16 @@ void scanner_end(struct parse *p);
 void scanner_uncover(struct parse *p);      /* makes the text whole until the next token */
 void scanner_dump(struct lang *l, uint32_t source, FILE *out);      /* in parse.y: it names tokens */
 struct parse *parse_start(struct lang *l, uint32_t source);
+
+/* Numbers, and vectors of numbers with commas between them (constant.c). */
+bool constant_read(char *p, struct constant *out);  /* false: something else, or part of more */
+struct ast *constant_node(struct parse *p, const struct constant *c);
+char *skip_spaces(char *p);
+bool is_letter(char c);
+
+/* A word and its { }, if all in them is plain (plain.c); NULL: it is not, or
+ * there are none.  begin: of the word; end: behind the braces. */
+struct ast *plain_block(struct parse *p, struct name *word, char *begin, char **end);
 
 /* Nodes (ast.c). */
 struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at);

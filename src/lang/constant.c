@@ -1,0 +1,62 @@
+/* constant.c: numbers and vectors of numbers, read from the text at once. */
+#include <string.h>
+
+#include "lang/number.h"
+#include "lang/parsing.h"
+
+char *skip_spaces(char *p)
+{
+    while (*p == ' ' || *p == '\t' || *p == '\n' || *p == '\r')
+        p++;
+    return p;
+}
+
+bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+/* A signed number and the place behind it; NULL: something else. */
+static char *number(char *p, double *out)
+{
+    bool minus = *p == '-';
+
+    if (*p == '-' || *p == '+')
+        p++;
+    if (!((*p >= '0' && *p <= '9') || (*p == '.' && p[1] >= '0' && p[1] <= '9')))
+        return NULL;
+    p = number_scan(p, out);
+    if (minus)
+        *out = -*out;
+    return *p == '.' || is_letter(*p) ? NULL : p;
+}
+
+bool constant_read(char *p, struct constant *out)
+{
+    out->begin = p;
+    out->n = *p != '<';
+    if (out->n)
+        return (out->end = number(p, out->v));
+    do {
+        if (out->n == 5 || !(p = number(skip_spaces(p + 1), out->v + out->n++)))
+            return false;
+        p = skip_spaces(p);
+    } while (*p == ',');
+    out->end = p + 1;
+    return *p == '>' && out->n >= 2;
+}
+
+struct ast *constant_node(struct parse *p, const struct constant *c)
+{
+    bool vector = *c->begin == '<';
+    struct loc at = { p->source, (uint32_t)(c->begin - p->text), (uint32_t)(c->end - p->text) };
+    struct ast *node = ast_new(p, vector ? AST_LITERAL : AST_NUMBER, at);
+
+    if (!vector) {
+        node->number = c->v[0];
+        return node;
+    }
+    node->n = (uint16_t)c->n;
+    memcpy(node->v, c->v, c->n * sizeof *c->v);
+    return node;
+}
