@@ -47,13 +47,27 @@ static int count(struct reader *r, const char *what)
     return 1;
 }
 
+/* Each point remembers what it saw of every light. */
+static void keep_few(struct reader *r, struct light *l, struct loc at)
+{
+    enum { MOST = 1 << 20 };
+
+    if ((double)l->samples1 * l->samples2 <= MOST)
+        return;
+    diag_error(r->lang->diag, at, "an area light of %d by %d lights: at most %d are possible",
+               l->samples1, l->samples2, (int)MOST);
+    l->samples1 = l->samples2 = 1;
+}
+
 static void read_area(struct reader *r, struct light *l)
 {
     l->is_area = true;
     l->axis1 = build_vector(r, false, "axis of area_light");
     l->axis2 = build_vector(r, true, "second axis of area_light");
+    struct loc at = reader_at(r);
     l->samples1 = count(r, "area_light");
     l->samples2 = count(r, "area_light");
+    keep_few(r, l, at);
 }
 
 /* Its colours, weighted, are added to the light's. */
