@@ -602,6 +602,75 @@ START_TEST(test_csg_normals_point_out_of_the_solid)
 }
 END_TEST
 
+/* ---- points in arrays ---- */
+
+/* Shapes as they stand, turned ones, solids cut from others, and copies. */
+static void add_all_sorts(void)
+{
+    struct object *child[12];
+
+    for (int i = 0; i < 12; i++) {
+        child[i] = random_shape(1, 0.4);
+        scene_add(&scene, random_shape(3, 1));
+        scene_add(&scene, moved(random_shape(1, 1), turned(in_cube(180), in_cube(3))));
+    }
+    struct object *u = group(OBJECT_UNION, child, 12);
+    for (int i = 0; i < 40; i++)
+        scene_add(&scene, moved(u, turned(in_cube(180), in_cube(3))));
+    scene_add(&scene, random_csg(2));
+    scene_add(&scene, moved(random_csg(1), turned(in_cube(180), in_cube(1))));
+}
+
+static void same_as_singly(const struct plan *p, const struct points *at, int i,
+                           const struct ray *ray, const struct meeting *m)
+{
+    struct surface_point one;
+
+    geometry_point(p, ray, m, &one);
+    bool from_inside = vec_dot(one.normal, ray->dir) > 0;
+    vec3 n = vec_unit(from_inside ? vec_neg(one.normal) : one.normal);
+    ck_assert(at->x[i] == one.point.x && at->y[i] == one.point.y && at->z[i] == one.point.z);
+    ck_assert(at->nx[i] == n.x && at->ny[i] == n.y && at->nz[i] == n.z);
+    ck_assert(at->slack[i] == one.slack);
+    ck_assert_int_eq(at->from_inside[i], from_inside);
+    ck_assert_ptr_eq(at->surface[i], &p->surface[one.surface]);
+}
+
+START_TEST(test_points_in_arrays_are_what_each_is_alone)
+{
+    enum { RAYS = 3000 };
+    static double column[6][RAYS];
+    static struct meeting m[RAYS];
+    static struct points at;
+    const struct rays rays = { RAYS, column[0], column[1], column[2], column[3], column[4],
+                               column[5] };
+
+    add_all_sorts();
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    for (int i = 0; i < RAYS; i++) {
+        struct ray ray = random_ray(8, 3);
+        ray.dir = vec_unit(ray.dir);
+        const double part[] = { ray.origin.x, ray.origin.y, ray.origin.z,
+                                ray.dir.x, ray.dir.y, ray.dir.z };
+        for (int k = 0; k < 6; k++)
+            column[k][i] = part[k];
+        if (geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m[i]))
+            at.index[at.n++] = (uint32_t)i;
+        if (at.n < 1 + below(BATCH) && i < RAYS - 1)
+            continue;
+        geometry_points(p, &rays, m, &at);
+        for (int k = 0; k < at.n; k++) {
+            uint32_t r = at.index[k];
+            ray = (struct ray) { { column[0][r], column[1][r], column[2][r] },
+                                 { column[3][r], column[4][r], column[5][r] } };
+            same_as_singly(p, &at, k, &ray, &m[r]);
+        }
+        at.n = 0;
+    }
+}
+END_TEST
+
 /* A hole through o along x, y or z, whose cutter ends in o's own face. */
 static void no_film(struct object *o, vec3 hole_from, vec3 hole_to, double radius)
 {
@@ -886,6 +955,7 @@ int main(void)
     tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
     tcase_add_test(tc, test_csg_shows_exactly_where_its_inside_begins_and_ends);
     tcase_add_test(tc, test_csg_normals_point_out_of_the_solid);
+    tcase_add_test(tc, test_points_in_arrays_are_what_each_is_alone);
     tcase_add_test(tc, test_coincident_faces_leave_no_film);
     tcase_add_test(tc, test_coincident_faces_of_differing_transforms_leave_no_film);
     tcase_add_test(tc, test_a_solid_less_itself_is_nothing_and_with_itself_is_itself);

@@ -228,9 +228,10 @@ END_TEST
 
 static float share_at(const struct light *l, vec3 p, struct beams *b)
 {
+    const double x[BATCH] = { p.x }, y[BATCH] = { p.y }, z[BATCH] = { p.z };
     struct lamp lamp = lamp_of(l);
 
-    lamp_beams(&lamp, 1, &p.x, &p.y, &p.z, b);
+    lamp_beams(&lamp, 1, x, y, z, b);
     return b->share[0];
 }
 

@@ -13,4 +13,11 @@
 #define UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define LIKELY(x) __builtin_expect(!!(x), 1)
 
+/* Arrays of BATCH are worked on up to whole(n): a number that every register
+ * divides leaves no rest for a second, scalar loop.  What stands behind n is
+ * a copy of what stands before it. */
+enum { BATCH = 128, STRIDE = 16 };
+
+INLINE int whole(int n) { return (n + STRIDE - 1) & -STRIDE; }
+
 #endif

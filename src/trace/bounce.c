@@ -1,5 +1,9 @@
 /* bounce.c: reflected and refracted rays (facts shading.md 2.7, 3.1, 3.3, 3.4). */
 #include "trace/shade.h"
+
+#include <string.h>
+
+#include "math/kernel.h"
 #include "trace/shadow.h"
 
 static double ior_of(const struct insides *in, uint32_t list)
@@ -7,128 +11,175 @@ static double ior_of(const struct insides *in, uint32_t list)
     return list ? surface_ior(in->item[list].surface) : 1;
 }
 
-double fresnel_index(const struct worker *w, uint32_t hit, const struct surface *s)
+double fresnel_index(const struct worker *w, uint32_t ray, const struct surface *s)
 {
     const struct insides *in = &w->insides;
-    uint32_t list = w->now.inside[hit];
+    uint32_t list = w->now.inside[ray];
     double own = surface_ior(s);
 
     if (!list)
         return own;
-    if (!insides_holds(in, list, s, w->meeting[hit].instance))
+    if (!insides_holds(in, list, s, w->meeting[ray].instance))
         return own / ior_of(in, list);
     if (!in->item[list].before)
         return 1 / own;
     return ior_of(in, list) / own;
 }
 
-/* One point that rays leave. */
+/* ---- rays that leave ---- */
+
+/* Rays on their way from a batch to the next wave.  direction = along * d +
+ * aside * n, of the ray that came and of the normal. */
+struct exits {
+    int n;
+    uint16_t at[BATCH];                 /* the point */
+    double along[BATCH], aside[BATCH];
+    double side[BATCH];                 /* of the surface: 1 or -1 */
+    float red[BATCH], green[BATCH], blue[BATCH], alpha[BATCH], adc[BATCH];
+    uint32_t pixel[BATCH], inside[BATCH];
+    uint16_t depth[BATCH];
+    uint8_t mask[BATCH];
+};
+
 struct corner {
     struct worker *w;
     const struct batch *b;
-    int i;
-    uint32_t hit;                       /* number of the ray that came */
-    vec3 point, normal, dir;            /* normal: turned to the viewer */
-    double slack;
-    const struct surface *surface;
+    const struct leaving *l;
+    double cosine[BATCH];               /* of the ray that came and the normal: negative */
+    struct exits exits;
 };
 
-static struct corner corner_at(struct worker *w, const struct batch *b, int i)
+/* As vec_unit_again, to the bit, but for what is far from unit length. */
+KERNEL static void aim(const struct points *restrict p, const struct exits *restrict e,
+                       double *restrict x, double *restrict y, double *restrict z,
+                       double *restrict dx, double *restrict dy, double *restrict dz)
 {
-    return (struct corner) {
-        w, b, i, b->hit[i], vec(b->x[i], b->y[i], b->z[i]),
-        vec(b->nx[i], b->ny[i], b->nz[i]), vec(b->dx[i], b->dy[i], b->dz[i]),
-        w->point[b->hit[i]].slack, b->surface[i] };
+    for (int k = 0; k < e->n; k++) {
+        int i = e->at[k];
+        double off = e->side[k] * p->slack[i];
+        double a = fma(e->aside[k], p->nx[i], p->dx[i] * e->along[k]);
+        double b = fma(e->aside[k], p->ny[i], p->dy[i] * e->along[k]);
+        double c = fma(e->aside[k], p->nz[i], p->dz[i] * e->along[k]);
+        double square = a * a + b * b + c * c;
+        double scale = fabs(square - 1) < 1e-8 ? 1.5 - 0.5 * square : 1 / sqrt(square);
+        x[k] = fma(off, p->nx[i], p->x[i]);
+        y[k] = fma(off, p->ny[i], p->y[i]);
+        z[k] = fma(off, p->nz[i], p->z[i]);
+        dx[k] = a * scale;
+        dy[k] = b * scale;
+        dz[k] = c * scale;
+    }
 }
 
-static rgb weight_of(const struct corner *c)
+static void leave(struct corner *c)
 {
-    const struct wave *w = &c->w->now;
+    struct exits *e = &c->exits;
+    struct wave *next = &c->w->next;
+    int n = next->n;
 
-    return rgb_scale(rgb_of(w->red[c->hit], w->green[c->hit], w->blue[c->hit]),
-                     c->b->share[c->i]);
+    wave_reserve(next, n + e->n);
+    aim(&c->b->at, e, next->x + n, next->y + n, next->z + n, next->dx + n, next->dy + n,
+        next->dz + n);
+#define COPY(name) memcpy(next->name + n, e->name, (size_t)e->n * sizeof *e->name);
+    COPY(red) COPY(green) COPY(blue) COPY(alpha) COPY(adc)
+    COPY(pixel) COPY(inside) COPY(depth) COPY(mask)
+#undef COPY
+    next->n += e->n;
+    e->n = 0;
+}
+
+/* One more from point i, of this weight beside what the ray that came had. */
+static int add_exit(struct corner *c, int i, rgb weight, float adc)
+{
+    const struct wave *now = &c->w->now;
+    struct exits *e = &c->exits;
+
+    if (e->n == BATCH)
+        leave(c);
+    uint32_t ray = c->b->at.index[i];
+    float share = c->b->share[i];
+    int k = e->n++;
+    e->at[k] = (uint16_t)i;
+    e->red[k] = now->red[ray] * share * weight.r;
+    e->green[k] = now->green[ray] * share * weight.g;
+    e->blue[k] = now->blue[ray] * share * weight.b;
+    e->alpha[k] = 0;
+    e->adc[k] = adc;
+    e->pixel[k] = now->pixel[ray];
+    e->inside[k] = now->inside[ray];
+    e->depth[k] = (uint16_t)(now->depth[ray] + 1);
+    e->mask[k] = now->mask[ray];
+    return k;
 }
 
 /* Is a further ray allowed (3.1)?  What is refused is black. */
-static bool is_allowed(const struct corner *c, float adc)
+static bool is_allowed(const struct corner *c, int i, float adc)
 {
     const struct settings *s = &c->w->plan->scene->settings;
 
-    return c->w->now.depth[c->hit] + 1 < s->max_trace_level && (double)adc >= s->adc_bailout;
+    return c->w->now.depth[c->b->at.index[i]] + 1 < s->max_trace_level
+           && (double)adc >= s->adc_bailout;
 }
 
-static vec3 mirrored(vec3 d, vec3 n)
+static void reflect(struct corner *c, int i, rgb share, float adc, float power)
 {
-    return vec_fma(d, -2 * vec_dot(d, n), n);
-}
-
-static struct wave_ray ray_from(const struct corner *c, vec3 dir, double side)
-{
-    const struct wave *w = &c->w->now;
-
-    return (struct wave_ray) {
-        .ray = { vec_fma(c->point, side * c->slack, c->normal), vec_unit_again(dir) },
-        .weight = weight_of(c), .pixel = w->pixel[c->hit], .inside = w->inside[c->hit],
-        .depth = (uint16_t)(w->depth[c->hit] + 1), .mask = w->mask[c->hit] };
-}
-
-static void reflect(const struct corner *c, rgb share, float adc, float power)
-{
-    struct worker *w = c->w;
-
-    if (!is_allowed(c, adc))
+    if (!is_allowed(c, i, adc))
         return;
-    struct wave_ray r = ray_from(c, mirrored(c->dir, c->normal), 1);
-    r.weight = rgb_mul(r.weight, share);
-    if (power != 1) {
-        r.pixel = film_branch(&w->film, r.pixel, r.weight, power);
-        r.weight = rgb_of(1, 1, 1);
-    }
-    r.adc = adc;
-    r.mask = RAY_REFLECTED;
-    w->counts.reflected++;
-    wave_push(&w->next, &r);
+    int k = add_exit(c, i, share, adc);
+    struct exits *e = &c->exits;
+    e->along[k] = 1;
+    e->aside[k] = -2 * c->cosine[i];
+    e->side[k] = 1;
+    e->mask[k] = RAY_REFLECTED;
+    c->w->counts.reflected++;
+    if (power == 1)
+        return;
+    e->pixel[k] = film_branch(&c->w->film, e->pixel[k],
+                              rgb_of(e->red[k], e->green[k], e->blue[k]), power);
+    e->red[k] = e->green[k] = e->blue[k] = 1;
 }
+
+/* ---- refraction ---- */
 
 /* The index across the surface, and the interiors behind it. */
-static double cross(const struct corner *c, uint32_t *list)
+static double cross(const struct corner *c, int i, uint32_t *list)
 {
     struct insides *in = &c->w->insides;
-    uint32_t instance = c->w->meeting[c->hit].instance, now = *list;
-    double own = surface_ior(c->surface);
+    const struct surface *s = c->b->at.surface[i];
+    uint32_t instance = c->w->meeting[c->b->at.index[i]].instance, now = *list;
+    double own = surface_ior(s);
 
-    if (now && inside_is(&in->item[now], c->surface, instance)) {
-        *list = insides_leave(in, now, c->surface, instance);
+    if (now && inside_is(&in->item[now], s, instance)) {
+        *list = insides_leave(in, now, s, instance);
         return own / ior_of(in, *list);
     }
-    if (insides_holds(in, now, c->surface, instance)) {
-        *list = insides_leave(in, now, c->surface, instance);
+    if (insides_holds(in, now, s, instance)) {
+        *list = insides_leave(in, now, s, instance);
         return 1;
     }
-    *list = insides_enter(in, now, c->surface, instance);
+    *list = insides_enter(in, now, s, instance);
     return ior_of(in, now) / own;
 }
 
 /* What the way to this surface took, if it led through the surface's own inside. */
-static rgb faded_on_the_way(const struct corner *c)
+static rgb faded_on_the_way(const struct corner *c, int i)
 {
     const struct worker *w = c->w;
+    const struct surface *s = c->b->at.surface[i];
+    uint32_t ray = c->b->at.index[i];
 
-    if (!c->surface->interior
-        || !insides_holds(&w->insides, w->now.inside[c->hit], c->surface,
-                          w->meeting[c->hit].instance))
+    if (!s->interior
+        || !insides_holds(&w->insides, w->now.inside[ray], s, w->meeting[ray].instance))
         return rgb_of(1, 1, 1);
-    return interior_fade(c->surface->interior, w->meeting[c->hit].t);
+    return interior_fade(s->interior, w->meeting[ray].t);
 }
 
 /* finish { refraction } of old scenes dims what comes through. */
-static rgb old_refraction(const struct corner *c, rgb light)
+static float old_refraction(const struct surface *s)
 {
-    const struct texture *t = c->surface->texture;
+    const struct texture *t = s->texture;
 
-    if (t->kind != TEXTURE_PLAIN || t->finish->refraction == 1)
-        return light;
-    return rgb_scale(light, (float)t->finish->refraction);
+    return t->kind == TEXTURE_PLAIN ? (float)t->finish->refraction : 1;
 }
 
 static float largest(rgb c)
@@ -139,52 +190,78 @@ static float largest(rgb c)
     return most > b ? most : b;
 }
 
-/* Through the surface, or back from it if the angle is too flat: then true. */
-static bool refract(const struct corner *c, rgb filter, float trans)
+static void refract_one(struct corner *c, int i, rgb weight, float adc, float alpha, double eta,
+                        double root, uint32_t behind)
 {
-    struct worker *w = c->w;
-    float adc = w->now.adc[c->hit] * largest(filter);
-    uint32_t behind = w->now.inside[c->hit];
-    double eta = cross(c, &behind);
-    double cosine = fabs(vec_dot(c->dir, c->normal));
+    bool is_straight = fabs(eta - 1) < 1e-10;
+    int k = add_exit(c, i, weight, adc);
+    struct exits *e = &c->exits;
+
+    e->along[k] = is_straight ? 1 : eta;
+    e->aside[k] = is_straight ? 0 : eta * fabs(c->cosine[i]) - root;
+    e->side[k] = -1;
+    e->alpha[k] = alpha;
+    e->inside[k] = behind;
+    e->depth[k] = (uint16_t)(e->depth[k] - is_straight);
+    c->w->counts.refracted++;
+}
+
+/* Through the surface, or back from it if the angle is too flat: then true. */
+static bool refract(struct corner *c, int i)
+{
+    const struct wave *now = &c->w->now;
+    uint32_t ray = c->b->at.index[i], behind = now->inside[ray];
+    rgb filter = rgb_of(c->l->fr[i], c->l->fg[i], c->l->fb[i]);
+    float adc = now->adc[ray] * largest(filter);
+    double eta = cross(c, i, &behind), cosine = c->cosine[i];
     double t = 1 + eta * eta * (cosine * cosine - 1);
-    rgb fade = faded_on_the_way(c);
+    rgb fade = c->w->shader->has_interior ? faded_on_the_way(c, i) : rgb_of(1, 1, 1);
 
     if (t < 0) {
-        reflect(c, fade, adc, 1);
+        reflect(c, i, fade, adc, 1);
         return true;
     }
-    if (!is_allowed(c, adc))
+    if (!is_allowed(c, i, adc))
         return false;
-    bool is_straight = fabs(eta - 1) < 1e-10;
-    vec3 dir = is_straight ? c->dir
-                           : vec_fma(vec_scale(c->dir, eta), eta * cosine - sqrt(t), c->normal);
-    struct wave_ray r = ray_from(c, dir, -1);
-    r.weight = old_refraction(c, rgb_mul(r.weight, rgb_mul(filter, fade)));
-    r.alpha = w->now.alpha[c->hit] * c->b->share[c->i] * rgb_grey(fade) * trans;
-    r.adc = adc;
-    r.inside = behind;
-    r.depth = (uint16_t)(r.depth - is_straight);
-    w->counts.refracted++;
-    wave_push(&w->next, &r);
+    rgb weight = rgb_scale(rgb_mul(filter, fade), old_refraction(c->b->at.surface[i]));
+    float alpha = now->alpha[ray] * c->b->share[i] * rgb_grey(fade) * c->l->trans[i];
+    refract_one(c, i, weight, adc, alpha, eta, sqrt(t), behind);
     return false;
+}
+
+/* ---- all ---- */
+
+static void mirror(struct corner *c, int i)
+{
+    for (int k = 0; k < c->l->n_mirror; k++) {
+        const struct mirror_layer *m = &c->l->mirror[k];
+        rgb share = rgb_of(m->r[i], m->g[i], m->b[i]);
+        if (share.r != 0 || share.g != 0 || share.b != 0)
+            reflect(c, i, share, m->adc[i], m->power);
+    }
+}
+
+KERNEL static void cosines(const struct points *restrict p, double *restrict out)
+{
+    for (int i = 0; i < whole(p->n); i++)
+        out[i] = p->dx[i] * p->nx[i] + p->dy[i] * p->ny[i] + p->dz[i] * p->nz[i];
 }
 
 /* Point by point, so that the order of a pixel's rays depends on that pixel only. */
 void bounce(struct worker *w, const struct batch *b, const struct leaving *l)
 {
-    for (int i = 0; i < b->n; i++) {
-        struct corner c = corner_at(w, b, i);
-        bool is_total = false;
-        if (l->trans[i] > 0)
-            is_total = refract(&c, rgb_of(l->fr[i], l->fg[i], l->fb[i]), l->trans[i]);
-        if (is_total)
-            continue;
-        for (int k = 0; k < l->n_mirror; k++) {
-            const struct mirror_layer *m = &l->mirror[k];
-            rgb share = rgb_of(m->r[i], m->g[i], m->b[i]);
-            if (share.r != 0 || share.g != 0 || share.b != 0)
-                reflect(&c, share, m->adc[i], m->power);
-        }
+    struct corner c;                    /* large: what is not used stays as it is */
+
+    c.w = w;
+    c.b = b;
+    c.l = l;
+    c.exits.n = 0;
+    cosines(&b->at, c.cosine);
+    for (int i = 0; i < b->at.n; i++) {
+        bool is_total = l->trans && l->trans[i] > 0 && refract(&c, i);
+        if (!is_total)
+            mirror(&c, i);
     }
+    if (c.exits.n)
+        leave(&c);
 }

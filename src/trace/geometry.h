@@ -2,6 +2,7 @@
 #ifndef RTC_GEOMETRY_H
 #define RTC_GEOMETRY_H
 
+#include "math/kernel.h"
 #include "trace/few.h"
 #include "trace/plan.h"
 
@@ -70,6 +71,28 @@ struct surface_point {
 };
 void geometry_point(const struct plan *p, const struct ray *ray, const struct meeting *m,
                     struct surface_point *out);
+
+/* The same for n <= BATCH rays, without uv and a mesh's textures: what they
+ * met is m[index[i]].  Up to whole(n) the arrays are copies of the last. */
+struct points {
+    int n;
+    uint32_t index[BATCH];
+    double dx[BATCH], dy[BATCH], dz[BATCH];     /* of the ray, unit */
+    double x[BATCH], y[BATCH], z[BATCH];        /* world */
+    double nx[BATCH], ny[BATCH], nz[BATCH];     /* unit, turned to where the ray came from */
+    double slack[BATCH];
+    const struct surface *surface[BATCH];
+    bool from_inside[BATCH];                    /* the normal was turned */
+};
+void geometry_points(const struct plan *p, const struct rays *rays, const struct meeting *m,
+                     struct points *out);
+
+static inline const struct surface *surface_met(const struct plan *p, const struct meeting *m)
+{
+    uint32_t own = p->leaf[m->leaf].surface;
+
+    return &p->surface[own != NO_LEAF ? own : p->instance[m->instance].surface];
+}
 
 struct geometry_counts { unsigned long long rays, shadow_rays, box_tests, leaf_tests, csg_tests; };
 struct geometry_counts scratch_counts(const struct scratch *s);

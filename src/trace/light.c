@@ -28,7 +28,7 @@ KERNEL static void aim_at_point(vec3 c, int n, const double *restrict x, const d
                                 const double *restrict z, double *restrict dx,
                                 double *restrict dy, double *restrict dz, double *restrict far)
 {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < whole(n); i++) {
         double ax = c.x - x[i], ay = c.y - y[i], az = c.z - z[i];
         double length = sqrt(ax * ax + ay * ay + az * az);
         double k = length > 0 ? 1 / length : 0;
@@ -45,7 +45,7 @@ KERNEL static void aim_at_plane(vec3 c, vec3 axis, int n, const double *restrict
                                 double *restrict dx, double *restrict dy, double *restrict dz,
                                 double *restrict far)
 {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < whole(n); i++) {
         dx[i] = -axis.x;
         dy[i] = -axis.y;
         dz[i] = -axis.z;
@@ -110,6 +110,8 @@ static void shares(const struct lamp *l, int n, const double *x, const double *y
             share *= fade(l, b->far[i]);
         b->share[i] = share;
     }
+    for (int i = n; i < whole(n); i++)
+        b->share[i] = 0;
 }
 
 void lamp_beams(const struct lamp *l, int n, const double *x, const double *y, const double *z,
@@ -122,7 +124,7 @@ void lamp_beams(const struct lamp *l, int n, const double *x, const double *y, c
     if (l->kind != LIGHT_POINT || l->fade_power > 0)
         shares(l, n, x, y, z, b);
     else
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < whole(n); i++)
             b->share[i] = 1;
 }
 

@@ -22,7 +22,7 @@ struct lamp {
 
 struct lamp lamp_of(const struct light *l);
 
-/* How a lamp is seen from an array of points. */
+/* How a lamp is seen from an array of points, worked out up to whole(n). */
 struct beams {
     double dx[BATCH], dy[BATCH], dz[BATCH];     /* unit, to the light */
     double far[BATCH];                  /* how far shadows must be looked for */

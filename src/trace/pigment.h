@@ -2,9 +2,8 @@
 #ifndef RTC_TRACE_PIGMENT_H
 #define RTC_TRACE_PIGMENT_H
 
+#include "math/kernel.h"
 #include "scene/tune.h"
-
-enum { BATCH = 128 };                   /* points that are looked at together, at most */
 
 /* Points as textures see them. */
 struct spots {

@@ -50,6 +50,9 @@ struct surface {
     bool is_opaque;                     /* no pigment in it can let light through */
     bool double_illuminate, hollow, uv_mapping;
     bool wants_uv;                      /* some texture looks at u and v */
+    bool is_mixed;                      /* which program shades a point depends on the point */
+    bool is_even;                       /* light that comes through is the same all over */
+    uint32_t group;                     /* what is shaded together: that of its program */
     const struct program *program, *interior_program;   /* textures as short programs: surface.h */
 };
 

@@ -56,11 +56,13 @@ static void add_layers(struct program *p, struct arena *mem, const struct settin
         struct layer *l = &layer[--n];
         l->paint = paint_new(mem, &pigment, &place);
         l->gloss = gloss_new(mem, settings, t->finish);
-        p->can_transmit &= l->paint->can_transmit;
+        l->can_transmit = l->paint->can_transmit;
+        p->can_transmit &= l->can_transmit;
         p->has_mirror |= l->gloss->has_mirror;
         p->wants_uv |= l->paint->wants_uv;
     }
     p->is_plain = p->n_layer == 1 && layer[0].paint->kind == PIGMENT_COLOUR;
+    p->colour = layer[0].paint->colour;
 }
 
 static void add_entries(struct program *p, struct arena *mem, const struct settings *settings,

@@ -28,6 +28,7 @@ struct gloss {
 struct layer {
     const struct paint *paint;
     const struct gloss *gloss;
+    bool can_transmit;
 };
 
 enum program_kind { PROGRAM_LAYERS, PROGRAM_MAP, PROGRAM_AVERAGE };
@@ -37,7 +38,8 @@ struct program {
     /* Points whose programs have the same group are shaded together: one
      * program, or all those that differ in nothing but a plain colour. */
     uint32_t group;
-    bool is_plain;                      /* one layer of one colour */
+    bool is_plain;                      /* one layer of one colour: */
+    colour colour;
     bool can_transmit, has_mirror, wants_uv;
     int n_layer;
     const struct layer *layer;          /* the top one, declared last, first */

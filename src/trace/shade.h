@@ -6,20 +6,17 @@
 
 /* Points that are shaded together: all of one group. */
 struct batch {
-    int n;
-    uint32_t hit[BATCH];                /* number of the ray */
+    struct points at;                   /* index: the number of the ray */
     uint16_t slot[BATCH];               /* in the table of shadows */
     float share[BATCH];                 /* of a texture map's entry, of a face's texture */
     const struct program *program[BATCH];
-    const struct surface *surface[BATCH];
-    double x[BATCH], y[BATCH], z[BATCH];                /* world */
-    double sx[BATCH], sy[BATCH], sz[BATCH];             /* as textures see it */
+    double sx[BATCH], sy[BATCH], sz[BATCH];     /* as textures see it; not set for a plain colour */
     double u[BATCH], v[BATCH];
-    double nx[BATCH], ny[BATCH], nz[BATCH];             /* unit, turned to the viewer */
-    double dx[BATCH], dy[BATCH], dz[BATCH];             /* of the ray that came, unit */
 };
 
-void shade_tasks(struct worker *w, const struct task *task, int n);     /* n <= BATCH */
+/* The points where n <= BATCH rays of the wave met something: all of one
+ * group, or all of surfaces whose program depends on the point. */
+void shade_hits(struct worker *w, int n, const uint32_t ray[]);
 
 /* What a layer reflects, kept until it is known whether the ray gets through at all. */
 struct mirror_layer {
@@ -31,14 +28,14 @@ struct mirror_layer {
 /* bounce.c: the rays that leave the points of a batch. */
 struct leaving {
     const float *fr, *fg, *fb;          /* what the layers let through */
-    const float *trans;                 /* 0: nothing is followed */
+    const float *trans;                 /* 0: nothing is followed; NULL: nowhere */
     const struct mirror_layer *mirror;
     int n_mirror;
 };
 void bounce(struct worker *w, const struct batch *b, const struct leaving *l);
 
 /* The relative index for Fresnel's law (facts shading.md 3.3, last but one rule). */
-double fresnel_index(const struct worker *w, uint32_t hit, const struct surface *s);
+double fresnel_index(const struct worker *w, uint32_t ray, const struct surface *s);
 
 static inline double surface_ior(const struct surface *s)
 {

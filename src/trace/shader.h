@@ -14,6 +14,8 @@ struct shader {
     uint32_t n_group;                   /* of programs */
     bool has_face_textures;             /* some mesh has its own */
     bool has_interior;                  /* some surface has one that was given */
+    bool has_fading;                    /* some interior dims light on its way */
+    bool has_double;                    /* some surface is lit on both sides */
     size_t room_surface;
     struct intern gloss, plain, program, group, surface;    /* content to the one copy of it */
     size_t n_program;

@@ -1,6 +1,8 @@
 /* shadow.c: how much of a lamp's light comes through (facts shading.md 4.3, 4.6). */
 #include "trace/shadow.h"
 
+#include <string.h>
+
 /* A lamp that stands exactly on a surface is not shadowed by it. */
 static const double nearly = 1 - 1e-9;
 
@@ -43,14 +45,19 @@ struct passing {
     double entered;                     /* t of the crossing before */
 };
 
+static rgb plain_filter(const struct program *p)
+{
+    const colour c = p->colour;
+
+    return rgb_of(c.r * c.f + c.t, c.g * c.f + c.t, c.b * c.f + c.t);
+}
+
 static rgb filter_of(const struct program *p, const struct spots *s)
 {
     rgb out[BATCH];
 
-    if (p->is_plain) {
-        colour c = p->layer[0].paint->colour;
-        return rgb_of(c.r * c.f + c.t, c.g * c.f + c.t, c.b * c.f + c.t);
-    }
+    if (p->is_plain)
+        return plain_filter(p);
     program_filter(p, s, out);
     return out[0];
 }
@@ -101,19 +108,30 @@ static void cross_interior(struct passing *p, const struct meeting *m, const str
     p->entered = m->t;
 }
 
-static bool pass(void *arg, const struct meeting *m)
+/* What light takes from a surface that differs from place to place. */
+static void pass_point(struct passing *p, const struct meeting *m, const struct surface *s)
 {
-    struct passing *p = arg;
     struct surface_point at;
 
     geometry_point(p->w->plan, &p->ray, m, &at);
-    const struct surface *s = &p->w->plan->surface[at.surface];
     bool from_inside = vec_dot(at.normal, p->ray.dir) > 0;
     p->light = rgb_mul(p->light, surface_filter(s, &at, from_inside));
     float sharper = caustic(s, at.normal, p->ray.dir);
     for (int k = layers_of(s->program); sharper != 1 && k > 0; k--)
         p->light = rgb_scale(p->light, sharper);
-    cross_interior(p, m, s);
+}
+
+static bool pass(void *arg, const struct meeting *m)
+{
+    struct passing *p = arg;
+    const struct surface *s = surface_met(p->w->plan, m);
+
+    if (s->is_even)
+        p->light = rgb_mul(p->light, plain_filter(s->program));
+    else
+        pass_point(p, m, s);
+    if (p->w->shader->has_fading)
+        cross_interior(p, m, s);
     return rgb_max(p->light) > no_light;
 }
 
@@ -125,11 +143,11 @@ static struct ray shadow_ray(const struct shadow_query *q, vec3 direction)
     return (struct ray) { vec_fma(q->point, off, q->normal), direction };
 }
 
-static rgb filtered(struct worker *w, const struct shadow_query *q, struct ray ray, double far,
+static rgb filtered(struct worker *w, uint32_t inside, struct ray ray, double far,
                     uint64_t barrier)
 {
     uint32_t kept = w->insides.n;
-    struct passing p = { w, ray, { 1, 1, 1 }, q->inside, 0 };
+    struct passing p = { w, ray, { 1, 1, 1 }, inside, 0 };
 
     geometry_crossings(w->plan, w->scratch, ray, far, barrier, pass, &p);
     w->insides.n = kept;
@@ -144,7 +162,7 @@ static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction,
         return rgb_of(1, 1, 1);
     if (geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp))
         return rgb_of(0, 0, 0);
-    return w->plan->has_transparency ? filtered(w, q, ray, far * nearly, BARRIER_ANY)
+    return w->plan->has_transparency ? filtered(w, q->inside, ray, far * nearly, BARRIER_ANY)
                                      : rgb_of(1, 1, 1);
 }
 
@@ -212,50 +230,132 @@ static rgb area_through(struct worker *w, const struct shadow_query *q, const st
 
 /* ---- many points, one lamp ---- */
 
-/* A ray of no length meets nothing. */
-static void add_ray(struct shadow_rays *r, int i, const struct shadow_query *q)
+/* As shadow_ray, for all points of the batch.  A ray of no length meets nothing. */
+KERNEL static void leave(const struct points *restrict p, const struct beams *restrict beam,
+                         struct shadow_rays *restrict r)
 {
-    struct ray ray = shadow_ray(q, q->direction);
-
-    r->x[i] = ray.origin.x;
-    r->y[i] = ray.origin.y;
-    r->z[i] = ray.origin.z;
-    r->dx[i] = ray.dir.x;
-    r->dy[i] = ray.dir.y;
-    r->dz[i] = ray.dir.z;
-    r->far[i] = q->far > 0 ? q->far * nearly : 0;
+    for (int i = 0; i < whole(p->n); i++) {
+        double cosine = p->nx[i] * beam->dx[i] + p->ny[i] * beam->dy[i] + p->nz[i] * beam->dz[i];
+        double off = copysign(p->slack[i], cosine);
+        r->x[i] = fma(off, p->nx[i], p->x[i]);
+        r->y[i] = fma(off, p->ny[i], p->y[i]);
+        r->z[i] = fma(off, p->nz[i], p->z[i]);
+        r->dx[i] = beam->dx[i];
+        r->dy[i] = beam->dy[i];
+        r->dz[i] = beam->dz[i];
+        r->far[i] = beam->far[i] > 0 ? beam->far[i] * nearly : 0;
+    }
 }
 
-static rgb behind(struct worker *w, const struct shadow_rays *r, int i,
-                  const struct shadow_query *q)
+static void keep_wanted(struct shadow_rays *r, int n, const uint16_t at[])
 {
-    if (r->barrier[i] == 0)
-        return rgb_of(1, 1, 1);
-    if (r->barrier[i] == BARRIER_OPAQUE)
-        return rgb_of(0, 0, 0);
-    return filtered(w, q, shadow_ray(q, q->direction), r->far[i], r->barrier[i]);
+    for (int k = 0; k < n; k++) {
+        int i = at[k];
+        r->x[k] = r->x[i];
+        r->y[k] = r->y[i];
+        r->z[k] = r->z[i];
+        r->dx[k] = r->dx[i];
+        r->dy[k] = r->dy[i];
+        r->dz[k] = r->dz[i];
+        r->far[k] = r->far[i];
+    }
 }
 
-static void straight_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)
+static struct shadow_query query_of(const struct worker *w, const struct batch *b,
+                                    const struct beams *beam, uint32_t lamp, int i)
+{
+    const struct points *p = &b->at;
+
+    return (struct shadow_query) {
+        vec(p->x[i], p->y[i], p->z[i]), vec(p->nx[i], p->ny[i], p->nz[i]),
+        vec(beam->dx[i], beam->dy[i], beam->dz[i]), p->slack[i], lamp,
+        w->now.inside[p->index[i]] };
+}
+
+static void put(struct lit *out, int i, rgb c)
+{
+    out->r[i] = c.r;
+    out->g[i] = c.g;
+    out->b[i] = c.b;
+}
+
+static rgb behind(struct worker *w, const struct shadow_rays *r, int k, uint32_t inside)
+{
+    const struct ray ray = { { r->x[k], r->y[k], r->z[k] }, { r->dx[k], r->dy[k], r->dz[k] } };
+
+    return filtered(w, inside, ray, r->far[k], r->barrier[k]);
+}
+
+static void straight_through(struct worker *w, const struct batch *b, const struct beams *beam,
+                             uint32_t lamp, int n, const uint16_t at[], struct lit *out)
 {
     struct shadow_rays *r = &w->shadow_rays;
     const struct rays rays = { n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
-    for (int i = 0; i < n; i++)
-        add_ray(r, i, &q[i]);
-    geometry_blocked_many(w->plan, w->scratch, &rays, r->far, q->lamp, r->barrier);
-    for (int i = 0; i < n; i++)
-        through[i] = behind(w, r, i, &q[i]);
+    leave(&b->at, beam, r);
+    if (n < b->at.n)
+        keep_wanted(r, n, at);
+    geometry_blocked_many(w->plan, w->scratch, &rays, r->far, lamp, r->barrier);
+    for (int k = 0; k < n; k++) {
+        uint64_t barrier = r->barrier[k];
+        float open = barrier == 0 ? 1 : 0;
+        put(out, at[k], rgb_of(open, open, open));
+        if (barrier != 0 && barrier != BARRIER_OPAQUE)
+            put(out, at[k], behind(w, r, k, w->now.inside[b->at.index[at[k]]]));
+    }
 }
 
-void shadow_through(struct worker *w, int n, const struct shadow_query *q, rgb *through)
+static void look(struct worker *w, const struct batch *b, const struct beams *beam, uint32_t lamp,
+                 int n, const uint16_t at[], struct lit *out)
 {
-    const struct lamp *l = &w->shader->lamp[q->lamp];
+    const struct lamp *l = &w->shader->lamp[lamp];
 
     if (!l->is_area) {
-        straight_through(w, n, q, through);
+        straight_through(w, b, beam, lamp, n, at, out);
         return;
     }
-    for (int i = 0; i < n; i++)
-        through[i] = area_through(w, &q[i], l);
+    for (int k = 0; k < n; k++) {
+        struct shadow_query q = query_of(w, b, beam, lamp, at[k]);
+        put(out, at[k], area_through(w, &q, l));
+    }
+}
+
+/* ---- known from another layer ---- */
+
+void shadow_forget(struct worker *w, int n)
+{
+    for (size_t k = 0; k < w->shader->n_lamp; k++)
+        memset(w->shadows.known + k * BATCH, 0, (size_t)n * sizeof *w->shadows.known);
+}
+
+static void look_once(struct worker *w, const struct batch *b, const struct beams *beam,
+                      uint32_t lamp, int n, const uint16_t at[], struct lit *out)
+{
+    bool *known = w->shadows.known + (size_t)lamp * BATCH;
+    rgb *through = w->shadows.through + (size_t)lamp * BATCH;
+    uint16_t unknown[BATCH];
+    int n_unknown = 0;
+
+    for (int k = 0; k < n; k++)
+        if (!known[b->slot[at[k]]])
+            unknown[n_unknown++] = at[k];
+    if (n_unknown)
+        look(w, b, beam, lamp, n_unknown, unknown, out);
+    for (int k = 0; k < n_unknown; k++) {
+        int i = unknown[k];
+        through[b->slot[i]] = rgb_of(out->r[i], out->g[i], out->b[i]);
+        known[b->slot[i]] = true;
+    }
+    for (int k = 0; k < n; k++)
+        put(out, at[k], through[b->slot[at[k]]]);
+}
+
+void shadow_through(struct worker *w, const struct batch *b, const struct beams *beam,
+                    uint32_t lamp, int n, const uint16_t at[], struct lit *out)
+{
+    memset(out, 0, sizeof *out);
+    if (w->shadows.is_kept)
+        look_once(w, b, beam, lamp, n, at, out);
+    else
+        look(w, b, beam, lamp, n, at, out);
 }

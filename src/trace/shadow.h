@@ -2,18 +2,24 @@
 #ifndef RTC_SHADOW_H
 #define RTC_SHADOW_H
 
-#include "trace/worker.h"
+#include "trace/shade.h"
 
 /* From a point with this viewer-facing normal, of a ray inside these interiors;
- * direction and far: to the lamp, as lamp_beams says. */
+ * direction: to the lamp, as lamp_beams says. */
 struct shadow_query {
     vec3 point, normal, direction;
-    double slack, far;
+    double slack;
     uint32_t lamp, inside;
 };
 
-/* What gets through to n <= BATCH points of one lamp's light; 1: all of it. */
-void shadow_through(struct worker *w, int n, const struct shadow_query *q, rgb *through);
+/* What gets through of a lamp's light to the points at[0..n) of a batch; 1:
+ * all of it.  0 at other points. */
+struct lit { float r[BATCH], g[BATCH], b[BATCH]; };
+void shadow_through(struct worker *w, const struct batch *b, const struct beams *beam,
+                    uint32_t lamp, int n, const uint16_t at[], struct lit *out);
+
+/* Before a batch of n points that will be lit more than once. */
+void shadow_forget(struct worker *w, int n);
 
 /* What is left of light after a way through an interior (facts shading.md 3.4). */
 rgb interior_fade(const struct interior *in, double distance);

@@ -29,11 +29,13 @@ static const struct gloss *gloss_of(struct plan *p, const struct finish *f)
     return *one;
 }
 
-/* Surfaces with one colour and the same gloss are shaded together. */
-static uint32_t plain_group(struct plan *p, const struct gloss *g)
+/* Surfaces with one colour and the same gloss are shaded together, but for
+ * those that can be seen through. */
+static uint32_t plain_group(struct plan *p, const struct gloss *g, bool can_transmit)
 {
+    struct { const struct gloss *gloss; uint64_t can_transmit; } key = { g, can_transmit };
     struct shader *s = shader_of(p);
-    const void **one = intern_at(&s->group, p->mem, &g, sizeof g);
+    const void **one = intern_at(&s->group, p->mem, &key, sizeof key);
 
     if (!*one) {
         *one = arena_copy(p->mem, &s->n_group, sizeof s->n_group);
@@ -54,7 +56,7 @@ static const struct program *plain_program(struct plan *p, const struct texture 
     if (!*one) {
         struct program *made = program_new(p->mem, &p->scene->settings, t, &transform_identity);
         ((struct layer *)made->layer)->gloss = key.gloss;
-        made->group = plain_group(p, key.gloss);
+        made->group = plain_group(p, key.gloss, made->can_transmit);
         s->n_program++;
         *one = made;
     }
@@ -124,6 +126,8 @@ static void note_use(struct plan *p, const struct surface *s)
     }
     p->has_transparency |= !s->is_opaque;
     shader_of(p)->has_interior |= s->interior != NULL;
+    shader_of(p)->has_fading |= s->interior && s->interior->fade_power > 0;
+    shader_of(p)->has_double |= s->double_illuminate;
 }
 
 static bool faces_want_uv(const struct look *look, const struct program *const *face)
@@ -149,6 +153,21 @@ struct surface_key {
     const struct finish *old_words;     /* finish { ior }: an interior of its own */
     bool double_illuminate, hollow, uv_mapping;
 };
+
+static bool has_caustics(const struct surface *s)
+{
+    return s->interior && s->interior->caustics != 0;
+}
+
+/* Which program shades a point: is it the same one on both sides, all over? */
+static void choose_group(struct plan *p, struct surface *s)
+{
+    bool is_one = !s->interior_program && !s->program->face;
+
+    s->is_mixed = !is_one;
+    s->group = is_one ? s->program->group : shader_of(p)->n_group++;
+    s->is_even = is_one && s->program->is_plain && !has_caustics(s);
+}
 
 static uint32_t add_surface(struct plan *p, const struct look *look,
                             const struct surface_key *key)
@@ -177,6 +196,7 @@ static uint32_t add_surface(struct plan *p, const struct look *look,
                      && !(key->interior_program && key->interior_program->can_transmit)
                      && !faces_transmit(look, face),
     };
+    choose_group(p, made);
     note_use(p, made);
     return (uint32_t)p->n_surface++;
 }

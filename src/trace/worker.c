@@ -46,9 +46,8 @@ void worker_release(struct worker *w)
     film_release(&w->film);
     insides_release(&w->insides);
     free(w->meeting);
-    free(w->point);
-    free(w->task);
-    free(w->sorted);
+    free(w->hit);
+    free(w->order);
     arena_free(&w->mem);
 }
 
@@ -81,10 +80,8 @@ static void reserve_hits(struct worker *w, int n)
         return;
     w->room_hits = n > 2 * w->room_hits ? n : 2 * w->room_hits;
     w->meeting = grown(w->meeting, w->room_hits, sizeof *w->meeting);
-    w->point = grown(w->point, w->room_hits, sizeof *w->point);
-    /* A mesh face may have three textures, one a corner. */
-    w->task = grown(w->task, 3 * w->room_hits, sizeof *w->task);
-    w->sorted = grown(w->sorted, 3 * w->room_hits, sizeof *w->sorted);
+    w->hit = grown(w->hit, w->room_hits, sizeof *w->hit);
+    w->order = grown(w->order, w->room_hits, sizeof *w->order);
 }
 
 /* ---- hits ---- */
@@ -97,55 +94,16 @@ static void meet(struct worker *w)
     geometry_nearest_many(w->plan, w->scratch, &rays, r->mask, w->meeting);
 }
 
-static void locate(struct worker *w)
-{
-    for (int i = 0; i < w->now.n; i++) {
-        struct ray ray = wave_at(&w->now, i);
-        if (w->meeting[i].leaf != NO_LEAF)
-            geometry_point(w->plan, &ray, &w->meeting[i], &w->point[i]);
-    }
-}
+/* ---- groups of what is shaded together ---- */
 
-/* ---- programs ---- */
-
-static const struct program *program_at(const struct worker *w, int i)
-{
-    const struct surface_point *p = &w->point[i];
-    const struct surface *s = &w->plan->surface[p->surface];
-    bool from_inside = s->interior_program && vec_dot(p->normal, wave_at(&w->now, i).dir) > 0;
-
-    return from_inside ? s->interior_program : s->program;
-}
-
-static int add_face_tasks(struct worker *w, int i, const struct program *whole, int n)
-{
-    const struct surface_point *p = &w->point[i];
-
-    if (p->texture[0] == p->texture[1] && p->texture[0] == p->texture[2]) {
-        w->task[n++] = (struct task) { (uint32_t)i, whole->face[p->texture[0]], 1 };
-        return n;
-    }
-    for (int k = 0; k < 3; k++) {
-        const struct program *face = p->texture[k] == MESH_NONE ? whole
-                                                                : whole->face[p->texture[k]];
-        if ((double)p->weight[k] >= w->plan->scene->settings.adc_bailout)
-            w->task[n++] = (struct task) { (uint32_t)i, face, p->weight[k] };
-    }
-    return n;
-}
-
-static int make_tasks(struct worker *w)
+static int list_hits(struct worker *w)
 {
     int n = 0;
 
     for (int i = 0; i < w->now.n; i++) {
-        if (w->meeting[i].leaf == NO_LEAF)
-            continue;
-        const struct program *p = program_at(w, i);
-        if (p->face && w->point[i].texture[0] != MESH_NONE)
-            n = add_face_tasks(w, i, p, n);
-        else
-            w->task[n++] = (struct task) { (uint32_t)i, p, 1 };
+        const struct meeting *m = &w->meeting[i];
+        if (m->leaf != NO_LEAF)
+            w->hit[n++] = (struct wave_hit) { (uint32_t)i, surface_met(w->plan, m)->group };
     }
     return n;
 }
@@ -157,41 +115,45 @@ static void sort_by_counting(struct worker *w, int n)
 
     memset(w->start, 0, (n_group + 1) * sizeof *w->start);
     for (int i = 0; i < n; i++)
-        w->start[w->task[i].program->group + 1]++;
+        w->start[w->hit[i].group + 1]++;
     for (uint32_t g = 0; g < n_group; g++)
         w->start[g + 1] += w->start[g];
     for (int i = 0; i < n; i++)
-        w->sorted[w->start[w->task[i].program->group]++] = w->task[i];
+        w->order[w->start[w->hit[i].group]++] = w->hit[i].ray;
 }
 
 static int by_group(const void *a, const void *b)
 {
-    const struct task *s = a, *t = b;
+    const struct wave_hit *s = a, *t = b;
 
-    if (s->program->group != t->program->group)
-        return s->program->group < t->program->group ? -1 : 1;
-    if (s->hit != t->hit)
-        return s->hit < t->hit ? -1 : 1;
-    return (s->share > t->share) - (s->share < t->share);
+    if (s->group != t->group)
+        return s->group < t->group ? -1 : 1;
+    return (s->ray > t->ray) - (s->ray < t->ray);
 }
 
-static void sort_tasks(struct worker *w, int n)
+static void sort_hits(struct worker *w, int n)
 {
     if (w->shader->n_group <= 1024u || w->shader->n_group <= (uint32_t)n) {
         sort_by_counting(w, n);
         return;
     }
-    memcpy(w->sorted, w->task, (size_t)n * sizeof *w->task);
-    qsort(w->sorted, (size_t)n, sizeof *w->sorted, by_group);
+    qsort(w->hit, (size_t)n, sizeof *w->hit, by_group);
+    for (int i = 0; i < n; i++)
+        w->order[i] = w->hit[i].ray;
+}
+
+static uint32_t group_at(const struct worker *w, int i)
+{
+    return surface_met(w->plan, &w->meeting[w->order[i]])->group;
 }
 
 static void shade_all(struct worker *w, int n)
 {
     for (int i = 0, end; i < n; i = end) {
-        uint32_t group = w->sorted[i].program->group;
-        for (end = i + 1; end < n && end - i < BATCH && w->sorted[end].program->group == group;)
+        uint32_t group = group_at(w, i);
+        for (end = i + 1; end < n && end - i < BATCH && group_at(w, end) == group;)
             end++;
-        shade_tasks(w, w->sorted + i, end - i);
+        shade_hits(w, end - i, w->order + i);
     }
 }
 
@@ -211,9 +173,8 @@ void worker_trace(struct worker *w)
         meet(w);
         sky_fog(w);
         sky_show(w);
-        locate(w);
-        int n = make_tasks(w);
-        sort_tasks(w, n);
+        int n = list_hits(w);
+        sort_hits(w, n);
         shade_all(w, n);
         trade_waves(w);
     }

@@ -9,15 +9,9 @@
 #include "trace/shader.h"
 #include "trace/wave.h"
 
-/* A point with one program to be shaded; more than one for a face that blends textures. */
-struct task {
-    uint32_t hit;                       /* number of the ray, its meeting and its point */
-    const struct program *program;
-    float share;
-};
-
-/* What arrives of each lamp at the points of a batch, once it is known. */
-struct shadows { bool *known; rgb *through; };      /* [lamp * BATCH + slot] */
+/* What arrives of each lamp at the points of a batch, once it is known: for
+ * textures of which several parts are lit alike. */
+struct shadows { bool is_kept, *known; rgb *through; };     /* [lamp * BATCH + slot] */
 
 /* From the points of a batch to one lamp. */
 struct shadow_rays {
@@ -38,10 +32,10 @@ struct worker {
     struct insides insides;
     uint32_t camera_inside, n_camera_inside;    /* the list at a fixed camera; items to keep */
     struct meeting *meeting;            /* of the rays of the wave now; leaf NO_LEAF: none */
-    struct surface_point *point;
-    struct task *task, *sorted;
-    uint32_t *start;                    /* of each group among the sorted tasks */
-    int room_hits, room_tasks;
+    struct wave_hit { uint32_t ray, group; } *hit;
+    uint32_t *order;                    /* numbers of the rays that met something, by group */
+    uint32_t *start;                    /* of each group among them */
+    int room_hits;
     struct shadows shadows;
     struct shadow_rays shadow_rays;
     rgb *grid;                          /* an area light's samples; r < 0: not known yet */
