@@ -29,6 +29,7 @@
 %expect 0
 
 %code {
+#include <ctype.h>
 #include <string.h>
 
 int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
@@ -67,7 +68,7 @@ static struct ast *splice_node(struct parse *p, struct loc at, struct ast *direc
 %token <node> MISSING_BRACE "missing '}'" MISSING_PAREN "missing ')'"
     MISSING_BRACKET "missing ']'" MISSING_ANGLE "missing '>'" MISSING_END "missing '#end'"
 %token DECLARE "#declare" LOCAL "#local" UNDEF "#undef" IF "#if" IFDEF "#ifdef"
-    IFNDEF "#ifndef" ELSE "#else" ELSEIF "#elseif" END "#end" WHILE "#while" FOR "#for"
+    IFNDEF "#ifndef" ELSE "#else" ELSEIF "#elseif" END "#end" END_OPEN "#end behind '{'" WHILE "#while" FOR "#for"
     SWITCH "#switch" CASE "#case" RANGE "#range" BREAK "#break" MACRO "#macro"
     INCLUDE "#include" VERSION "#version" DEFAULT "#default" FOPEN "#fopen" FCLOSE "#fclose"
     READ "#read" WRITE "#write"
@@ -132,7 +133,10 @@ word_item: word %prec LOW           { $$ = word_node(p, @1, $1); }
 
 braces: '{' items close_brace       { $$ = ast_close(p, $2, @1, @3); };
 brackets: '[' items close_bracket   { $$ = ast_close(p, $2, @1, @3); };
-vector: '<' items close_angle       { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
+vector: '<' items close_angle       { $$ = ast_close(p, $2, @1, @3);
+                                      if (p->lang->diag->lint)
+                                          ast_check_commas(p, $$);
+                                      ast_pack($$); };
 args: '(' items close_paren         { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
 group: '(' items close_paren        { $$ = ast_pack(ast_close(p, $2, @1, @3)); };
 
@@ -229,7 +233,7 @@ directive: quiet %prec LOW          { $$ = $1; }
 quiet: declare
     | UNDEF target                  { $$ = ast_new(p, AST_UNDEF, @$); $$->target = $2; }
     | MACRO macro_head items close_end
-                                    { $$ = with_body($2, ast_close(p, $3, @1, @4)); $$->at = @1; }
+                                    { $$ = with_body($2, ast_close(p, $3, @1, @4)); }
     | VERSION sum semicolon         { $$ = with_right(ast_new(p, AST_VERSION, @1), $2);
                                       $$->flags |= $3 ? AST_SEMI : 0; }
     | DEFAULT braces                { $$ = with_body(ast_new(p, AST_DEFAULT, @1), $2); }
@@ -248,6 +252,9 @@ quiet: declare
 
 /* ... and these may leave items. */
 splice: branches close_end          { $$ = ast_close(p, $1, $1->at, @2); $$->kind = AST_IF; }
+    | branches END_OPEN items close_brace
+                                    { ast_share(p, $1, ast_close(p, $3, @2, @4));
+                                      $$ = ast_close(p, $1, $1->at, @4); $$->kind = AST_IF; }
     | WHILE condition body          { $$ = with_body(with_args(ast_new(p, AST_WHILE, @1), $2), $3); }
     | FOR for_head body             { $$ = with_body($2, $3); $$->at = @1; }
     | SWITCH condition switch_items close_end
@@ -457,6 +464,39 @@ static struct ast *branch(struct parse *p, struct loc at, int op, struct ast *co
     return node;
 }
 
+/* The name that stands right before a place; NULL: something else does. */
+static struct name *name_before(struct parse *p, struct loc *at)
+{
+    const char *end = p->text + at->begin;
+
+    while (end > p->text && (end[-1] == ' ' || end[-1] == '\t'))
+        end--;
+    const char *begin = end;
+    while (begin > p->text && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))
+        begin--;
+    struct name *name = name_intern(&p->lang->names, begin, (size_t)(end - begin));
+    if (begin == end || isdigit((unsigned char)*begin) || name->word)
+        return NULL;
+    at->begin = (uint32_t)(begin - p->text);
+    at->end = (uint32_t)(end - p->text);
+    return name;
+}
+
+/* `R = 1;` as in other languages. */
+static struct ast *assignment(struct parse *p, struct loc at)
+{
+    struct name *name = name_before(p, &at);
+    struct ast *error;
+
+    if (!name)
+        return ast_error(p, at, (struct loc) { 0 },
+                         "unexpected '='; a name gets its value with #declare NAME = VALUE;");
+    error = ast_error(p, at, (struct loc) { 0 }, "'%s' gets its value with a directive: "
+                      "#declare %s = VALUE;", name->text, name->text);
+    error->meant = name;
+    return error;
+}
+
 enum { MOST_EXPECTED = 3 };
 
 /* "unexpected '='; expected number or name" when few things would do. */
@@ -483,8 +523,7 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     else if (*source == '=' && at.begin > 0 && source[-1] == '=')
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '='; equality is a single '='");
     else if (*source == '=')
-        p->pending = ast_error(p, at, (struct loc) { 0 },
-                               "unexpected '='; a name gets its value with #declare NAME = VALUE;");
+        p->pending = assignment(p, at);
     else
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '%.*s'%s",
                                length < 40 ? length : 40, source, used ? text : "");

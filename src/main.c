@@ -271,6 +271,7 @@ static void start_diag(struct run *r)
     d->colour = isatty(STDERR_FILENO) && !getenv("NO_COLOR");
     d->quiet = o->quiet;
     d->strict = o->strict;
+    d->lint = o->lint;
 }
 
 static void print_stats(struct run *r)

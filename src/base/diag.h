@@ -17,6 +17,7 @@ struct diag {
     bool colour;                        /* a terminal, and no NO_COLOR */
     bool quiet;                         /* warnings are counted, not shown */
     bool strict;                        /* what is not supported is an error */
+    bool lint;                          /* warn of what is legal but seldom meant, too */
     unsigned most_errors;               /* then the run ends; 20 */
     unsigned errors, warnings;
     bool muted;                         /* the last message was not shown: nor are its notes */

@@ -340,6 +340,7 @@ static const struct option table[] = {
     { "stats", 0, "[=json]", read_stats, 0, 0, 0, "print times and counts at the end" },
     { "quiet", 'q', NULL, read_flag, AT(quiet), 0, 0, "no warnings, no progress" },
     { "strict", 0, NULL, read_flag, AT(strict), 0, 0, "what is not supported is an error" },
+    { "lint", 0, NULL, read_flag, AT(lint), 0, 0, "warn of what is legal but seldom meant, too" },
     { "diagnostics", 0, "full|short|json", read_diagnostics, 0, 0, 0, "how messages look" },
     { "allow-read", 0, "DIR", read_list, AT(allow_read), 0, 0, "a scene may read files here too; repeatable" },
     { "allow-write", 0, "DIR", read_list, AT(allow_write), 0, 0, "a scene may write files here; repeatable" },

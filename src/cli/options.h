@@ -51,7 +51,7 @@ struct options {
     struct limits limits;
     enum diag_style diagnostics;
     enum stats_style stats;
-    bool quiet, strict;
+    bool quiet, strict, lint;
     bool no_debug;                      /* -GD */
     const char *debug_file;             /* +GDfile */
     double version;                     /* +MV; 0: not given */

@@ -82,6 +82,23 @@ struct ast *ast_pack(struct ast *list)
     return list;
 }
 
+/* Commas are optional, but with some of them in a list one more was meant. */
+void ast_check_commas(struct parse *p, const struct ast *list)
+{
+    const struct ast *missing = NULL, *before = NULL;
+    bool some = false;
+
+    for (const struct ast *a = list->first; a; before = a, a = a->next) {
+        some = some || a->kind == AST_COMMA;
+        if (!missing && before && ast_is_value(a) && ast_is_value(before))
+            missing = a;
+    }
+    if (!some || !missing)
+        return;
+    scanner_uncover(p);
+    diag_warning(p->lang->diag, missing->at, "there is no comma before this component");
+}
+
 /* What cannot stand in ( ) or < >, behind a value and without a comma. */
 static bool is_stranger(const struct ast *a, const struct ast *before)
 {
@@ -122,6 +139,51 @@ struct ast *ast_close(struct parse *p, struct ast *list, struct loc open, struct
     ast_add(list, p->pending);
     p->pending = NULL;
     return list;
+}
+
+/* The block that a branch left open: its list ends with the message of that. */
+static struct ast *open_body(struct ast *list)
+{
+    struct ast *last = list->last;
+
+    if (last && last->kind == AST_DECLARE)
+        last = last->value->last;
+    if (!last || last->kind != AST_BLOCK || !last->body->last
+        || last->body->last->kind != AST_ERROR)
+        return NULL;
+    return last->body;
+}
+
+static void drop_last(struct ast *list)
+{
+    struct ast *before = NULL;
+
+    for (struct ast *a = list->first; a != list->last; a = a->next)
+        before = a;
+    if (before)
+        before->next = NULL;
+    else
+        list->first = NULL;
+    list->last = before;
+}
+
+/* The lists of all branches may end in the same items: nothing changes them. */
+void ast_share(struct parse *p, struct ast *branches, struct ast *rest)
+{
+    for (struct ast *b = branches->first; b; b = b->next) {
+        struct ast *body = b->kind == AST_BRANCH ? open_body(b->body) : NULL;
+        if (!body)
+            continue;
+        drop_last(body);
+        if (body->last)
+            body->last->next = rest->first;
+        else
+            body->first = rest->first;
+        if (rest->last)
+            body->last = rest->last;
+        body->close = rest->close;
+    }
+    p->keep = true;
 }
 
 static uint16_t depth_of(const struct ast *a)
@@ -225,6 +287,7 @@ struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const ch
     va_end(args);
     node->text = arena_text(p->mem, text, strlen(text));
     node->other = other;
+    node->note = "opened here";
     p->keep = true;
     return node;
 }

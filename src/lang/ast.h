@@ -27,7 +27,8 @@ enum ast_kind {
     AST_COLON,
     AST_SEMICOLON,
     AST_BULK,           /* a run of constants, each with a comma behind it: bulk */
-    AST_ERROR,          /* what could not be parsed, said when it is reached: text, other */
+    AST_ERROR,          /* what could not be parsed, said when it is reached: text; note
+                           at other, if that has a source; meant: a name that is declared after all, or NULL */
 
     /* Values: expressions. */
     AST_NUMBER,         /* number */
@@ -78,6 +79,7 @@ enum {
     AST_HAS_CALL = 1 << 3,      /* a NAME ( ) outside of parentheses: perhaps a macro */
     AST_SEMI = 1 << 4,          /* a declaration that ended with ';' */
     AST_CLOSED = 1 << 5,        /* a block whose closing brace was found */
+    AST_FATAL = 1 << 6,         /* an error behind which nothing makes sense */
 };
 
 struct ast_bulk {
@@ -97,7 +99,12 @@ struct ast {
     union {
         double number;
         double v[5];
-        struct { const char *text; size_t size; struct loc other; };
+        struct {
+            const char *text;
+            union { size_t size; const char *note; };
+            struct loc other;
+            struct name *meant;
+        };
         struct { struct ast *left, *right, *third; };
         struct ast_bulk bulk;
         struct {

@@ -42,6 +42,7 @@ struct build {
     struct camera_words camera;
     struct camera solved;               /* of the last camera statement */
     bool has_camera, has_sky, has_light, glows;     /* glows: a finish shows without light */
+    struct loc first;                   /* the first solid that was added */
     const struct texture *declared;     /* layers so far of a `#declare T = texture { } texture { }` */
     struct cached_image *image;         /* read already */
     const struct texture *reported;     /* looked at last for what cannot be shown */

@@ -92,6 +92,8 @@ static void unknown_name(struct lang *l, const struct item *i, const char *block
     diag_error(l->diag, i->at, "undeclared name '%s' in %s%s", i->text, block,
                file ? arena_format(l->mem, "; #include \"%s\" declares it", file)
                : guess_text(&g, l));
+    if (!file)
+        guess_note(&g, l);
 }
 
 void build_unknown(struct lang *l, const struct item *i, const char *block,

@@ -80,7 +80,7 @@ static struct object *combine(struct lang *l, struct reader *r, const struct ite
     struct children c = { .lang = l, .of = o };
 
     take_all(r, &c);
-    if (c.n < 2)
+    if (c.n < 2 && !l->stopped)
         diag_warning(l->diag, block->at, "%s has %s", block->text,
                      c.n == 0 ? "no objects" : "only one object");
     build_modifiers(r, o, block, is_misplaced, NULL, NULL);

@@ -221,6 +221,10 @@ static void report_object(struct lang *l, const struct object *o)
 void build_add(struct lang *l, struct object *o)
 {
     report_object(l, o);
+    if (o->kind != OBJECT_LIGHT && !l->build->first.source)
+        l->build->first = o->at;
+    if (!o->texture && o->kind == OBJECT_SHAPE && l->diag->lint)
+        diag_warning(l->diag, o->at, "no texture: the default's is taken");
     if (!o->texture && o->kind != OBJECT_LIGHT) {
         o->texture = build_of(l)->texture;
         l->build->glows |= o->texture->finish && glows(o->texture->finish);
@@ -240,6 +244,7 @@ static void unknown_statement(struct lang *l, const struct item *i)
         diag_error(l->diag, i->at, i->body ? "unknown statement '%s'%s"
                                            : "'%s' is not declared, and no statement%s",
                    i->text, guess_text(&g, l));
+        guess_note(&g, l);
     } else if (i->kind == ITEM_WORD && find_block(i->text))
         diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
     else
@@ -319,19 +324,42 @@ void build_default(struct lang *l, struct reader *r)
 
 /* --- the end ------------------------------------------------------------------------------------ */
 
+/* Told at the first solid, which shows nothing without them. */
+static void say_what_lacks(struct lang *l)
+{
+    const struct build *b = l->build;
+    bool dark = !b->has_light && !b->glows;
+
+    if (l->scene->n_object == 0)
+        diag_warning(l->diag, (struct loc) { 0 }, "the scene has no objects");
+    else if (dark && !b->has_camera)
+        diag_warning(l->diag, b->first, "the scene has no camera, and no light_source: it will be dark");
+    else if (dark)
+        diag_warning(l->diag, b->first, "the scene has no light_source: it will be dark");
+    else if (!b->has_camera)
+        diag_warning(l->diag, b->first, "the scene has no camera: it is seen from 0 towards z");
+}
+
+/* What should stand at the top of the scene is told there. */
+static void say_what_is_assumed(struct lang *l)
+{
+    const struct settings *s = &l->scene->settings;
+    struct loc top = { l->main_source, 0, 0 };
+
+    if (!l->version_given)
+        diag_warning(l->diag, top, "no #version: colours and gamma are treated as POV-Ray 3.6 did; "
+                     "new scenes begin with #version 3.7;");
+    else if (s->version >= 370 && !s->has_assumed_gamma)
+        diag_warning(l->diag, l->version_at.source ? l->version_at : top,
+                     "no global_settings { assumed_gamma }: taken as 1.0");
+}
+
 void build_end(struct lang *l)
 {
-    struct scene *s = l->scene;
-    struct loc nowhere = { 0 };
-
     build_of(l);
     build_version(l);
-    if (s->n_object == 0 && l->diag->errors == 0)
-        diag_warning(l->diag, nowhere, "the scene has no objects");
-    else if (!l->build->has_light && !l->build->glows && l->diag->errors == 0)
-        diag_warning(l->diag, nowhere, "the scene has no light_source: it will be dark");
-    if (!l->version_given)
-        diag_warning(l->diag, nowhere, "no #version: colours and gamma are treated as POV-Ray 3.6 did");
-    else if (s->settings.version >= 370 && !s->settings.has_assumed_gamma)
-        diag_warning(l->diag, nowhere, "no assumed_gamma: taken as 1.0");
+    if (l->diag->errors)
+        return;
+    say_what_lacks(l);
+    say_what_is_assumed(l);
 }

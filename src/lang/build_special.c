@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/gradient.h"
 
 static struct object *nothing(struct lang *l, const struct item *block)
 {
@@ -472,7 +473,15 @@ static struct object *make_height_field(struct lang *l, struct reader *r, const 
 
 /* --- surfaces by functions ---------------------------------------------------------------------------- */
 
-static void read_container(struct lang *l, const struct item *block)
+/* An isosurface, as far as it is looked at. */
+struct iso {
+    const struct function *function;    /* NULL: it has none, which was said */
+    double max_gradient;
+    bool evaluates;                     /* max_gradient is found while rendering */
+    vec3 low, high;
+};
+
+static void read_container(struct lang *l, const struct item *block, struct iso *iso)
 {
     struct reader r, in;
 
@@ -480,11 +489,14 @@ static void read_container(struct lang *l, const struct item *block)
     struct item i = reader_next(&r);
     if (item_is_block(&i, "box") || item_is_block(&i, "sphere")) {
         reader_open(&in, l, i.body);
-        build_vector(&in, false, "contained_by");
+        iso->low = iso->high = build_vector(&in, false, "contained_by");
         if (item_is(&i, "box"))
-            build_vector(&in, true, "contained_by");
-        else
-            reader_number(&in, true, "contained_by");
+            iso->high = build_vector(&in, true, "contained_by");
+        else {
+            double radius = reader_number(&in, true, "contained_by");
+            iso->low = vec_sub(iso->low, vec(radius, radius, radius));
+            iso->high = vec_add(iso->high, vec(radius, radius, radius));
+        }
         if (reader_peek(&in)->kind != ITEM_END)
             build_unknown(l, reader_peek(&in), "contained_by", NULL);
         reader_close(&in);
@@ -505,32 +517,57 @@ static bool read_counted(struct reader *r, const struct item *i, const char *wor
 
 static bool read_iso_word(struct reader *r, const struct item *i, void *arg)
 {
-    (void)arg;
+    struct iso *iso = arg;
+
     if (item_is_block(i, "contained_by")) {
-        read_container(r->lang, i);
+        read_container(r->lang, i, iso);
+        return true;
+    }
+    if (i->kind == ITEM_WORD && item_is(i, "max_gradient")) {
+        iso->max_gradient = reader_number(r, false, "max_gradient");
+        return true;
+    }
+    if (read_counted(r, i, "evaluate", 3)) {
+        iso->evaluates = true;
         return true;
     }
     return read_counted(r, i, "threshold", 1) || read_counted(r, i, "accuracy", 1)
-           || read_counted(r, i, "max_gradient", 1) || read_counted(r, i, "evaluate", 3)
            || read_counted(r, i, "max_trace", 1) || read_counted(r, i, "all_intersections", 0)
            || read_counted(r, i, "open", 0);
 }
 
-static void read_function(struct reader *r, const struct item *block)
+static const struct function *read_function(struct reader *r, const struct item *block)
 {
     if (item_is_thing(reader_peek(r), VALUE_FUNCTION))
-        reader_next(r);
-    else
-        diag_error(r->lang->diag, reader_at(r), "%s needs function { } first; found %s", block->text,
-                   item_describe(r->lang, reader_peek(r)));
+        return reader_next(r).value.thing;
+    diag_error(r->lang->diag, reader_at(r), "%s needs function { } first; found %s", block->text,
+               item_describe(r->lang, reader_peek(r)));
+    return NULL;
+}
+
+static void check_gradient(struct lang *l, const struct item *block, const struct iso *iso)
+{
+    const struct function *f = iso->function;
+    vec3 at = iso->low;
+
+    if (!f || iso->evaluates || function_parameters(f) != 3 || function_components(f) != 1)
+        return;
+    double found = gradient_steepest(f, iso->low, iso->high, &at);
+    if (found > iso->max_gradient * 1.05)
+        diag_warning(l->diag, block->at, "isosurface: max_gradient is %g, but the function's is at "
+                     "least %.3g, as at <%.3g, %.3g, %.3g>: there may be holes", iso->max_gradient,
+                     found, at.x, at.y, at.z);
 }
 
 static struct object *make_isosurface(struct lang *l, struct reader *r, const struct item *block)
 {
     struct object *o = nothing(l, block);
+    struct iso iso = { read_function(r, block), 1.1, false, vec(-1, -1, -1), vec(1, 1, 1) };
+    unsigned errors = l->diag->errors;
 
-    read_function(r, block);
-    build_modifiers(r, o, block, read_iso_word, NULL, NULL);
+    build_modifiers(r, o, block, read_iso_word, &iso, NULL);
+    if (errors == l->diag->errors)
+        check_gradient(l, block, &iso);
     return o;
 }
 
@@ -552,6 +589,7 @@ static bool read_parametric_word(struct reader *r, const struct item *i, void *a
 static struct object *make_parametric(struct lang *l, struct reader *r, const struct item *block)
 {
     struct object *o = nothing(l, block);
+    struct iso iso = { 0 };
     double v[2];
 
     for (int i = 0; i < 3; i++) {
@@ -560,7 +598,7 @@ static struct object *make_parametric(struct lang *l, struct reader *r, const st
     }
     reader_vector(r, true, 2, v, "lowest u and v");
     reader_vector(r, true, 2, v, "highest u and v");
-    build_modifiers(r, o, block, read_parametric_word, NULL, NULL);
+    build_modifiers(r, o, block, read_parametric_word, &iso, NULL);
     return o;
 }
 

@@ -55,6 +55,7 @@ static void say_no_value(struct lang *l, const struct item *i)
             guess_words(&g, l);
         diag_error(l->diag, i->at, "%s '%s'%s", i->brace.source ? "unknown word" : "undeclared name",
                    i->text, guess_text(&g, l));
+        guess_note(&g, l);
     } else
         diag_error(l->diag, i->at, "expected a value, found %s", item_describe(l, i));
 }
@@ -786,6 +787,7 @@ static void set_version(struct lang *l, const struct ast *node)
         diag_warning(l->diag, node->at, "';' is missing behind #version");
     l->version = version;
     l->version_given = true;
+    l->version_at = node->at;
     build_version(l);
 }
 

@@ -173,6 +173,7 @@ static void say_undeclared(struct lang *l, struct loc at, const char *name)
 
     guess_names(&g, l);
     diag_error(l->diag, at, "undeclared name '%s'%s", name, guess_text(&g, l));
+    guess_note(&g, l);
 }
 
 void say_unknown_call(struct lang *l, struct loc at, const char *name)
@@ -185,6 +186,7 @@ void say_unknown_call(struct lang *l, struct loc at, const char *name)
             guess_try(&g, l->word[i].text);
     at.end = at.begin + (uint32_t)strlen(name);
     diag_error(l->diag, at, "unknown function '%s'%s", name, guess_text(&g, l));
+    guess_note(&g, l);
 }
 
 static void warn_deprecated(struct lang *l, struct loc at, struct binding *b)
@@ -347,7 +349,7 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
     case AST_ERROR:
         diag_error(l->diag, a->at, "%s", a->text);
         if (a->other.source)
-            diag_note(l->diag, a->other, "opened here");
+            diag_note(l->diag, a->other, "%s", a->note);
         break;
     default:
         diag_error(l->diag, a->at, "expected a value");
@@ -495,7 +497,7 @@ bool say_unclosed(struct lang *l, const struct ast *list)
     if (!last || last->kind != AST_ERROR || !last->other.source)
         return false;
     diag_error(l->diag, last->at, "%s", last->text);
-    diag_note(l->diag, last->other, "opened here");
+    diag_note(l->diag, last->other, "%s", last->note);
     return true;
 }
 

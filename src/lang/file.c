@@ -51,12 +51,18 @@ static bool in_library(const struct lang_setup *s, const char *path)
     return false;
 }
 
+/* The empty file of every system tells a scene nothing. */
+static bool is_nothing(const char *path)
+{
+    return strcmp(path, "/dev/null") == 0;
+}
+
 static bool may_read(const struct lang *l, const char *path)
 {
     const struct lang_setup *s = &l->setup;
     char resolved[PATH_MAX];
 
-    if (in_library(s, path))
+    if (is_nothing(path) || in_library(s, path))
         return true;
     if (!realpath(path, resolved))
         return false;
@@ -84,7 +90,7 @@ static bool is_file(const char *path)
 {
     struct stat st;
 
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+    return is_nothing(path) || (stat(path, &st) == 0 && S_ISREG(st.st_mode));
 }
 
 static char *joined(struct lang *l, const char *folder, const char *name)
@@ -129,6 +135,15 @@ static const char *any_name(struct lang *l, const char *name, const char *const 
     return path || exact_first ? path : in_folders(l, name);
 }
 
+static void note_folders(struct lang *l)
+{
+    const char *list = *l->folder ? l->folder : "./";
+
+    for (size_t i = 0; i < l->setup.n_library; i++)
+        list = arena_format(l->mem, "%s, %s", list, l->setup.library[i]);
+    diag_note(l->diag, (struct loc) { 0 }, "looked for in %s", list);
+}
+
 const char *file_find(struct lang *l, struct loc at, const char *name,
                       const char *const *extensions, const char *what, bool quiet)
 {
@@ -141,8 +156,10 @@ const char *file_find(struct lang *l, struct loc at, const char *name,
     if (path || *name == '/')
         diag_error(l->diag, at, "the scene may not read '%s': it is outside of its folder; "
                    "--allow-read would let it", path ? path : name);
-    else
+    else {
         diag_error(l->diag, at, "cannot find %s '%s'", what, name);
+        note_folders(l);
+    }
     return NULL;
 }
 
@@ -404,8 +421,8 @@ void file_read(struct lang *l, const struct ast *node)
         }
         skip_space(h);
         if (h->next == EOF) {
-            diag_warning(l->diag, a->at, "nothing is left to read: '%s' keeps what it was",
-                         a->name ? a->name->text : "it");
+            diag_warning(l->diag, node->at, "nothing is left to read: '%s' %s", a->name->text,
+                         scope_find(a->name) ? "keeps what it was" : "stays undeclared");
             break;
         }
         if (!read_one(l, h, &v)) {

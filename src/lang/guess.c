@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /* Further than this is another word; short words must be nearer. */
 static unsigned furthest(const char *word)
@@ -51,7 +52,25 @@ void guess_words(struct guess *g, const struct lang *l)
 
 const char *guess_text(const struct guess *g, const struct lang *l)
 {
-    return g->best ? arena_format(l->mem, "; did you mean '%s'?", g->best) : "";
+    if (!g->best)
+        return "";
+    bool capital = strcasecmp(g->best, g->wrong) == 0 && word_find(l, g->best);
+    return arena_format(l->mem, capital ? "; the language's words are in small letters: '%s'"
+                        : "; did you mean '%s'?", g->best);
+}
+
+void note_declared(struct lang *l, const char *name)
+{
+    const struct binding *b = lang_binding(l, name);
+
+    if (b && b->at.source)
+        diag_note(l->diag, b->at, "'%s' is declared here", name);
+}
+
+void guess_note(const struct guess *g, struct lang *l)
+{
+    if (g->best)
+        note_declared(l, g->best);
 }
 
 /* Does a line say `#declare NAME` or `#macro NAME`? */

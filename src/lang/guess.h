@@ -19,6 +19,10 @@ void guess_words(struct guess *g, const struct lang *l);            /* all reser
 /* "; did you mean 'phong'?" or "", in l->mem: the end of a message. */
 const char *guess_text(const struct guess *g, const struct lang *l);
 
+/* "'BallRadius' is declared here", where that was the guess. */
+void guess_note(const struct guess *g, struct lang *l);
+void note_declared(struct lang *l, const char *name);       /* if a place is known */
+
 /* The file of the library that declares a name, or NULL. */
 const char *guess_include(const struct lang *l, const char *name);
 

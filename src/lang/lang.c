@@ -145,6 +145,7 @@ static bool open_scene(struct lang *l, const char *path, uint32_t *number)
         diag_error(l->diag, (struct loc) { 0 }, "cannot read '%s': %s", path, strerror(errno));
         return false;
     }
+    l->main_source = *number;
     const char *name = slash ? slash + 1 : path;
     predeclare(l, "input_file_name", value_text(l, name, strlen(name)));
     return true;

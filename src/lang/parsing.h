@@ -23,6 +23,9 @@ struct open {
     uint8_t kind;               /* enum open_kind */
     bool in_function;           /* here '<' always compares */
     bool has_else;
+    bool uneven;                /* an #if: not every branch left one brace open, */
+    unsigned left_open;         /* this branch that many, */
+    struct loc brace;           /* the last of them here */
     struct loc at;
 };
 
@@ -45,6 +48,7 @@ struct parse {
     void *scanner;
     struct open *open;
     unsigned n_open;
+    struct loc closed;          /* the '{' that was closed last */
     int last;                   /* the token before */
     bool file_name;             /* a text that follows is a file's name */
     int function;               /* 1: behind the word function, 2: behind its ( ), else 0 */
@@ -95,7 +99,10 @@ struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at);
 struct ast *ast_list(struct parse *p, struct loc at);
 struct ast *ast_add(struct ast *list, struct ast *item);        /* item may be NULL */
 struct ast *ast_pack(struct ast *list);     /* of values: see AST_PLAIN */
+void ast_check_commas(struct parse *p, const struct ast *list);     /* before it is packed */
 struct ast *ast_close(struct parse *p, struct ast *list, struct loc open, struct loc close);
+/* `#if (A) merge { 1 #else union { 2 #end 3 }`: 3 becomes the end of each branch's block. */
+void ast_share(struct parse *p, struct ast *branches, struct ast *rest);
 struct ast *ast_unary(struct parse *p, struct loc at, int op, struct ast *right);
 struct ast *ast_binary(struct parse *p, struct loc at, int op, struct ast *left, struct ast *right);
 struct ast *ast_tail(struct parse *p, struct loc at, int op, struct ast *right);

@@ -68,6 +68,13 @@ void reader_close(struct reader *r)
 
 /* --- walking -------------------------------------------------------------------- */
 
+/* What the mistake was to declare is known from now on: one mistake, one message. */
+static void declare_meant(struct lang *l, const struct ast *a)
+{
+    if (a->meant && !scope_find(a->meant))
+        harmless(scope_declare_global(l, a->meant, a->at)->value);
+}
+
 /* What could not be parsed is said when it is reached: in a branch that is
  * never taken anything may stand. */
 static void say_error(struct reader *r, const struct ast *a)
@@ -76,9 +83,10 @@ static void say_error(struct reader *r, const struct ast *a)
     if (r->unclosed && a->other.source == r->brace.source && a->other.begin == r->brace.begin)
         return;
     diag_error(r->lang->diag, a->at, "%s", a->text);
+    declare_meant(r->lang, a);
+    r->lang->stopped |= (a->flags & AST_FATAL) != 0;
     if (a->other.source)
-        diag_note(r->lang->diag, a->other, a->other.begin > a->at.begin ? "it is missed here"
-                  : "opened here");
+        diag_note(r->lang->diag, a->other, "%s", a->note);
 }
 
 /* Behind such a place, the list makes sense again at the next block or
@@ -385,10 +393,13 @@ static void say_wanted(struct reader *r, const char *what)
         struct guess g = guess_start(i->text);
         guess_names(&g, l);
         diag_error(l->diag, i->at, "undeclared name '%s'%s", i->text, guess_text(&g, l));
+        guess_note(&g, l);
         reader_next(r);
         return;
     }
     diag_error(l->diag, reader_at(r), "expected %s, found %s", what, item_describe(l, i));
+    if (i->kind == ITEM_VALUE && i->name)
+        note_declared(l, i->name);
     if (i->kind == ITEM_END && r->brace.source)
         diag_note(l->diag, r->brace, "the block begins here");
 }

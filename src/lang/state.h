@@ -58,6 +58,8 @@ struct lang {
     const struct name *declaring;       /* what is being declared */
     int version;                        /* number * 100, as #version says */
     bool version_given;
+    struct loc version_at;              /* the last #version */
+    uint32_t main_source;               /* the scene's own text */
     bool charset_utf8;                  /* global_settings { charset utf8 } */
     struct stream *stream;
     size_t n_stream, room_stream;
