@@ -158,7 +158,9 @@ struct ast *plain_block(struct parse *p, struct name *name, char *begin, char **
         return NULL;
     a.most = p->size - (size_t)(a.at - p->text) > LONGEST ? a.at + LONGEST : p->text + p->size;
     struct ast *node = block(&a, name, begin);
-    if (!node && p->mem != p->lang->mem)        /* where names are */
+    if (node)
+        p->closed = node->body->at;
+    else if (p->mem != p->lang->mem)        /* where names are */
         arena_recycle(p->mem, mark);
     *end = a.at;
     return node;
