@@ -393,6 +393,71 @@ START_TEST(test_any_number_of_threads_builds_the_same_tree)
 }
 END_TEST
 
+/* Ways to lie about: everywhere, in one place, ever closer together, on a
+ * line, most of them in one small clump. */
+static vec3 place_of(int way, int i)
+{
+    switch (way) {
+    case 0: return in_cube(1);
+    case 1: return vec(3, 4, 5);
+    case 2: return vec_scale(vec(1, 2, 1), ldexp(1, -(i % 900)));
+    case 3: return vec(1e6 + i, 2, 3);
+    default: return vec_scale(in_cube(1), i % 100 ? 1e-7 : 1);
+    }
+}
+
+static struct bounds nth_box(const void *of, size_t i) { return ((const struct bounds *)of)[i]; }
+
+struct found { const struct bvh *tree; const struct bounds *box; int *times; };
+
+static void look_into(const struct found *s, const struct bvh_node *n, int slot)
+{
+    for (uint32_t k = n->child[slot]; k < n->child[slot] + n->count[slot]; k++) {
+        struct bounds b = s->box[s->tree->item[k]];
+        s->times[s->tree->item[k]]++;
+        for (int axis = 0; axis < 3; axis++) {
+            double middle = vec_get(s->tree->middle, axis), scale = s->tree->scale;
+            ck_assert((double)n->side[0][axis][slot] <= (vec_get(b.low, axis) - middle) * scale);
+            ck_assert((double)n->side[1][axis][slot] >= (vec_get(b.high, axis) - middle) * scale);
+        }
+    }
+}
+
+static void look_below(const struct found *s, uint32_t number, int depth)
+{
+    const struct bvh_node *n = &s->tree->node[number];
+
+    ck_assert_int_lt(depth * (LANES - 1), BVH_STACK);
+    for (int slot = 0; slot < LANES; slot++) {
+        if (n->count[slot])
+            look_into(s, n, slot);
+        else if (n->side[0][0][slot] <= n->side[1][0][slot])
+            look_below(s, n->child[slot], depth + 1);
+    }
+}
+
+/* Once for each way. */
+START_TEST(test_each_item_is_once_in_the_tree_within_its_box)
+{
+    static const int sizes[] = { 1, 2, 9, 4096, 4097, 30000 };
+
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        size_t n = (size_t)sizes[k];
+        struct bounds *box = arena_array(&mem, n, sizeof *box);
+        struct bvh tree;
+        for (size_t i = 0; i < n; i++) {
+            box[i].low = place_of(_i, (int)i);
+            box[i].high = vec_add(box[i].low, vec(1e-3, 0, uniform(0, 1e-2)));
+        }
+        bvh_build(&tree, n, nth_box, box, 4, 2, &mem);
+        struct found s = { &tree, box, arena_array(&mem, n, sizeof(int)) };
+        look_below(&s, 0, 1);
+        for (size_t i = 0; i < n; i++)
+            ck_assert_int_eq(s.times[i], 1);
+    }
+}
+END_TEST
+
 START_TEST(test_a_sphere_costs_at_most_100_bytes)
 {
     enum { N = 100000 };
@@ -947,6 +1012,7 @@ int main(void)
     tcase_add_test(tc, test_rays_at_edges_and_corners_of_stacked_boxes_never_slip_through);
     tcase_add_test(tc, test_small_spheres_are_met_at_their_very_edge);
     tcase_add_test(tc, test_any_number_of_threads_builds_the_same_tree);
+    tcase_add_loop_test(tc, test_each_item_is_once_in_the_tree_within_its_box, 0, 5);
     tcase_add_test(tc, test_a_sphere_costs_at_most_100_bytes);
     tcase_add_test(tc, test_equal_things_are_met_in_the_order_of_their_listing);
     tcase_add_test(tc, test_a_union_placed_often_is_stored_once);

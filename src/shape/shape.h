@@ -100,15 +100,15 @@ const struct shape_ops *shape_find(const char *name);
 static inline struct bounds bounds_join(struct bounds a, struct bounds b)
 {
     return (struct bounds) {
-        { fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z) },
-        { fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z) } };
+        { smaller(a.low.x, b.low.x), smaller(a.low.y, b.low.y), smaller(a.low.z, b.low.z) },
+        { larger(a.high.x, b.high.x), larger(a.high.y, b.high.y), larger(a.high.z, b.high.z) } };
 }
 
 static inline struct bounds bounds_meet(struct bounds a, struct bounds b)
 {
     return (struct bounds) {
-        { fmax(a.low.x, b.low.x), fmax(a.low.y, b.low.y), fmax(a.low.z, b.low.z) },
-        { fmin(a.high.x, b.high.x), fmin(a.high.y, b.high.y), fmin(a.high.z, b.high.z) } };
+        { larger(a.low.x, b.low.x), larger(a.low.y, b.low.y), larger(a.low.z, b.low.z) },
+        { smaller(a.high.x, b.high.x), smaller(a.high.y, b.high.y), smaller(a.high.z, b.high.z) } };
 }
 
 #endif

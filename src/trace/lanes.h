@@ -1,9 +1,11 @@
-/* lanes.h: eight floats at once, for boxes.
+/* lanes.h: eight floats at once, for boxes; and four, for a point.
  *
  * lanes_max(a, b) and lanes_min(a, b) give b where either is NaN, whatever
  * the instruction set. */
 #ifndef RTC_LANES_H
 #define RTC_LANES_H
+
+#include <stdint.h>
 
 #include "math/kernel.h"
 
@@ -91,6 +93,58 @@ INLINE unsigned lanes_not_above(lanes a, lanes b)
     for (int i = 0; i < LANES; i++)
         bits |= (unsigned)(a.a[i] <= b.a[i]) << i;
     return bits;
+}
+
+#endif
+
+#ifdef __SSE2__
+
+typedef __m128 quad;
+
+INLINE quad quad_of(float a) { return _mm_set1_ps(a); }
+INLINE quad quad_load(const float a[4]) { return _mm_loadu_ps(a); }
+INLINE void quad_store(float to[4], quad a) { _mm_storeu_ps(to, a); }
+INLINE quad quad_add(quad a, quad b) { return _mm_add_ps(a, b); }
+INLINE quad quad_sub(quad a, quad b) { return _mm_sub_ps(a, b); }
+INLINE quad quad_mul(quad a, quad b) { return _mm_mul_ps(a, b); }
+INLINE quad quad_max(quad a, quad b) { return _mm_max_ps(a, b); }
+INLINE quad quad_min(quad a, quad b) { return _mm_min_ps(a, b); }
+INLINE quad quad_turn(quad a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 0, 2, 1)); }
+INLINE void quad_whole(int32_t to[4], quad a)
+{
+    _mm_storeu_si128((__m128i *)to, _mm_cvttps_epi32(a));
+}
+
+#else
+
+typedef struct { float a[4]; } quad;
+
+#define QUAD_EACH(expression) \
+    quad to; \
+    for (int i = 0; i < 4; i++) \
+        to.a[i] = (expression); \
+    return to
+
+INLINE quad quad_of(float a) { QUAD_EACH(a); }
+INLINE quad quad_load(const float a[4]) { QUAD_EACH(a[i]); }
+INLINE quad quad_add(quad a, quad b) { QUAD_EACH(a.a[i] + b.a[i]); }
+INLINE quad quad_sub(quad a, quad b) { QUAD_EACH(a.a[i] - b.a[i]); }
+INLINE quad quad_mul(quad a, quad b) { QUAD_EACH(a.a[i] * b.a[i]); }
+INLINE quad quad_max(quad a, quad b) { QUAD_EACH(a.a[i] > b.a[i] ? a.a[i] : b.a[i]); }
+INLINE quad quad_min(quad a, quad b) { QUAD_EACH(a.a[i] < b.a[i] ? a.a[i] : b.a[i]); }
+INLINE quad quad_turn(quad a) { QUAD_EACH(a.a[i == 3 ? 3 : (i + 1) % 3]); }
+#undef QUAD_EACH
+
+INLINE void quad_store(float to[4], quad a)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = a.a[i];
+}
+
+INLINE void quad_whole(int32_t to[4], quad a)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = (int32_t)a.a[i];
 }
 
 #endif

@@ -1,0 +1,339 @@
+/* bvh_build.c: building a tree of boxes.
+ *
+ * Things that lie together are put into cells by counting; then each cell is
+ * a small tree by itself, and the cells are the leaves of the tree above
+ * them.  Dividing a few hundred things again and again happens in the
+ * processor's cache, which dividing a million does not.
+ *
+ * A node takes its (up to) eight children by splitting the largest of them
+ * again and again. */
+#include "trace/bvh.h"
+
+#include <string.h>
+
+#include "base/jobs.h"
+#include "trace/cells.h"
+#include "trace/split.h"
+
+enum {
+    SPLIT_BY_COUNT = 16,        /* levels after which ranges are halved, so that depth is bounded: */
+    MOST_DEPTH = 2 * (16 + 11), /* below and above cells; 2^32 items halved three times a level; 7 * this < BVH_STACK */
+    CELL = 1024,                /* items that lie together */
+    UNDIVIDED = 4096,           /* as many are quick enough to divide without cells */
+    PART = 4096,                /* items that make a job of their own */
+};
+
+/* The boxes of the tree's items, in its own unit. */
+struct source {
+    const struct bvh *tree;
+    struct bounds (*box)(const void *of, size_t i);
+    const void *of;
+};
+
+/* A tree, or a part of one.  Where leaves begin is counted from offset. */
+struct builder {
+    struct arena *mem;
+    struct ref *ref, *spare;
+    unsigned leaf_size;
+    uint32_t offset;
+    struct bvh_node *node;
+    size_t n_node, room;
+};
+
+/* What is split first: ranges that are more than a leaf, and of these the
+ * largest; or the fullest, when all may become leaves of one node.  Then
+ * leaves, the largest first, as slots would be empty otherwise. */
+static float urgency(const struct range *r, unsigned leaf_size, bool by_number)
+{
+    if (r->n < 2)
+        return -1;
+    if (r->n <= leaf_size)
+        return box_area(&r->box);
+    return 1e6f + (by_number ? (float)r->n : box_area(&r->box));
+}
+
+static int worth_splitting(const float urgency[], int n)
+{
+    int best = 0;
+
+    for (int i = 1; i < n; i++)
+        if (urgency[i] > urgency[best])
+            best = i;
+    return urgency[best] < 0 ? -1 : best;
+}
+
+static int children(struct builder *b, const struct range *whole, int depth, struct range r[LANES])
+{
+    bool by_number = whole->n <= LANES * b->leaf_size;
+    float urgent[LANES] = { urgency(whole, b->leaf_size, by_number) };
+    int n = 1, i;
+
+    r[0] = *whole;
+    while (n < LANES && (i = worth_splitting(urgent, n)) >= 0) {
+        struct range half[2];
+        range_split(&r[i], b->ref, b->spare, depth >= SPLIT_BY_COUNT, half);
+        r[i] = half[0];
+        r[n] = half[1];
+        urgent[i] = urgency(&r[i], b->leaf_size, by_number);
+        urgent[n] = urgency(&r[n], b->leaf_size, by_number);
+        n++;
+    }
+    return n;
+}
+
+static void slot_box(struct bvh_node *n, int slot, const struct box *b)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        n->side[0][axis][slot] = b->side[axis];
+        n->side[1][axis][slot] = -b->side[4 + axis];
+    }
+}
+
+/* No ray meets an inside-out box. */
+static void clear(struct bvh_node *n)
+{
+    static const struct box nowhere = { { 4, 4, 4, 0, 4, 4, 4, 0 } };
+
+    *n = (struct bvh_node) { .count = { 0 } };
+    for (int slot = 0; slot < LANES; slot++)
+        slot_box(n, slot, &nowhere);
+}
+
+static uint32_t build_node(struct builder *b, const struct range *whole, int depth)
+{
+    struct range r[LANES];
+    int n = children(b, whole, depth, r);
+
+    b->node = arena_grow(b->mem, b->node, b->n_node, &b->room, sizeof *b->node);
+    uint32_t self = (uint32_t)b->n_node++;
+    clear(&b->node[self]);
+    for (int i = 0; i < n; i++) {
+        bool is_leaf = r[i].n <= b->leaf_size;
+        uint32_t child = is_leaf ? b->offset + r[i].first : build_node(b, &r[i], depth + 1);
+        struct bvh_node *node = &b->node[self];
+        slot_box(node, i, &r[i].box);
+        node->child[i] = child;
+        node->count[i] = is_leaf ? r[i].n : 0;
+    }
+    return self;
+}
+
+/* --- the cells --------------------------------------------------------------------------- */
+
+static void set_side(struct box *to, struct bounds b, vec3 middle, double scale)
+{
+    double side[LANES] = { b.low.x - middle.x, b.low.y - middle.y, b.low.z - middle.z, 0,
+                           middle.x - b.high.x, middle.y - b.high.y, middle.z - b.high.z, 0 };
+
+    for (int i = 0; i < LANES; i++) {
+        float f = (float)(side[i] * scale);
+        to->side[i] = f - (fabsf(f) * FLT_EPSILON + FLT_MIN);
+    }
+}
+
+static struct ref ref_of(const struct source *s, uint32_t item)
+{
+    struct ref r = { .item = item, .weight = 1 };
+
+    set_side(&r.box, s->box(s->of, item), s->tree->middle, s->tree->scale);
+    return r;
+}
+
+static vec3 middle_of(const void *of, uint32_t item)
+{
+    const struct source *s = of;
+    struct bounds b = s->box(s->of, item);
+    vec3 m = s->tree->middle;
+
+    return vec_scale(vec_add(vec_sub(b.low, m), vec_sub(b.high, m)), s->tree->scale / 2);
+}
+
+/* Some cells that follow each other, and the small trees that they become:
+ * a node of the part's, or a leaf where there is no more than that. */
+struct part {
+    struct builder builder;
+    struct arena mem;
+    const struct cell *cell;
+    size_t n;
+    struct ref *whole;                  /* of each cell: its box and weight */
+    uint32_t *root;
+};
+
+struct parts {
+    const struct source *source;
+    uint32_t *item;
+    unsigned leaf_size;
+    struct arena *mem;
+    struct part *part;
+    size_t n;
+};
+
+static uint32_t most_in_a_cell(const struct part *p)
+{
+    uint32_t most = 0;
+
+    for (size_t i = 0; i < p->n; i++)
+        most = p->cell[i].n > most ? p->cell[i].n : most;
+    return most;
+}
+
+static void build_cell(const struct parts *all, struct part *p, size_t i)
+{
+    struct builder *b = &p->builder;
+    struct cell c = p->cell[i];
+    struct range whole = { .n = c.n };
+
+    for (uint32_t k = 0; k < c.n; k++)
+        b->ref[k] = ref_of(all->source, all->item[c.first + k]);
+    range_measure(&whole, b->ref);
+    p->whole[i] = (struct ref) { whole.box, 0, whole.weight };
+    b->offset = c.first;
+    if (c.n > b->leaf_size)
+        p->root[i] = build_node(b, &whole, 0);
+    for (uint32_t k = 0; k < c.n; k++)
+        all->item[c.first + k] = b->ref[k].item;
+}
+
+static void build_part(void *arg, size_t i, unsigned worker)
+{
+    const struct parts *all = arg;
+    struct part *p = &all->part[i];
+
+    (void)worker;
+    arena_init(&p->mem, all->mem->budget);
+    size_t most = most_in_a_cell(p);
+    p->builder = (struct builder) { .mem = &p->mem, .leaf_size = all->leaf_size };
+    p->builder.ref = arena_array(&p->mem, 2 * most, sizeof *p->builder.ref);
+    p->builder.spare = p->builder.ref + most;
+    for (size_t k = 0; k < p->n; k++)
+        build_cell(all, p, k);
+}
+
+static void cut_into_parts(struct parts *all, const struct cells *c)
+{
+    struct ref *whole = arena_array(all->mem, c->n, sizeof *whole);
+    uint32_t *root = arena_array(all->mem, c->n, sizeof *root);
+    uint32_t end = 0;
+
+    all->part = arena_array(all->mem, c->n, sizeof *all->part);
+    for (size_t i = 0; i < c->n; i++) {
+        if (c->cell[i].first >= end) {
+            all->part[all->n++] = (struct part) { .cell = &c->cell[i], .whole = &whole[i], .root = &root[i] };
+            end = c->cell[i].first + PART;
+        }
+        all->part[all->n - 1].n++;
+    }
+}
+
+/* --- putting it together ------------------------------------------------------------------ */
+
+/* The tree above the cells, whose leaves are single cells. */
+static void build_top(struct builder *top, const struct parts *all, size_t n_cell)
+{
+    struct range whole = { .n = (uint32_t)n_cell };
+
+    if (n_cell == 1 && all->part[0].builder.n_node > 0)
+        return;                         /* which is all of the tree */
+    top->ref = arena_array(top->mem, 2 * n_cell, sizeof *top->ref);
+    top->spare = top->ref + n_cell;
+    memcpy(top->ref, all->part[0].whole, n_cell * sizeof *top->ref);
+    for (size_t i = 0; i < n_cell; i++)
+        top->ref[i].item = (uint32_t)i;
+    range_measure(&whole, top->ref);
+    build_node(top, &whole, 0);
+}
+
+static void place_part(struct bvh_node *to, const struct bvh_node *from, size_t n, uint32_t offset)
+{
+    for (size_t i = 0; i < n; i++) {
+        to[i] = from[i];
+        for (int slot = 0; slot < LANES; slot++)
+            if (to[i].count[slot] == 0)
+                to[i].child[slot] += offset;
+    }
+}
+
+/* The parts stand behind the top in their own order, so that the tree does not
+ * depend on the number of threads. */
+static void assemble(struct bvh *tree, const struct builder *top, struct parts *all, struct arena *mem)
+{
+    size_t n = top->n_node;
+
+    for (size_t i = 0; i < all->n; i++)
+        n += all->part[i].builder.n_node;
+    tree->node = arena_alloc_aligned(mem, n * sizeof *tree->node, 64);
+    tree->n_node = top->n_node;
+    memcpy(tree->node, top->node, top->n_node * sizeof *tree->node);
+    for (size_t i = 0; i < all->n; i++) {
+        struct part *p = &all->part[i];
+        place_part(tree->node + tree->n_node, p->builder.node, p->builder.n_node, (uint32_t)tree->n_node);
+        for (size_t k = 0; k < p->n; k++)
+            p->root[k] += (uint32_t)tree->n_node;
+        tree->n_node += p->builder.n_node;
+        arena_free(&p->mem);
+    }
+}
+
+static void join_cells(struct bvh *tree, const struct builder *top, const struct parts *all, unsigned leaf_size)
+{
+    const struct part *first = &all->part[0];
+
+    for (size_t i = 0; i < top->n_node; i++)
+        for (int slot = 0; slot < LANES; slot++) {
+            if (tree->node[i].count[slot] == 0)
+                continue;
+            uint32_t cell = top->ref[tree->node[i].child[slot]].item;
+            bool is_leaf = first->cell[cell].n <= leaf_size;
+            tree->node[i].count[slot] = is_leaf ? first->cell[cell].n : 0;
+            tree->node[i].child[slot] = is_leaf ? first->cell[cell].first : first->root[cell];
+        }
+}
+
+/* The unit in which everything lies in -1..1. */
+static void measure(struct bvh *b, struct bounds all)
+{
+    int exponent;
+
+    b->middle = vec_add(vec_scale(all.low, 0.5), vec_scale(all.high, 0.5));
+    vec3 high = vec_sub(all.high, b->middle), low = vec_sub(b->middle, all.low);
+    vec3 half = vec(fmax(high.x, low.x), fmax(high.y, low.y), fmax(high.z, low.z));
+    double largest = vec_largest(half);
+    frexp(largest, &exponent);
+    b->scale = largest > 0 ? ldexp(1, exponent < -1000 ? 1000 : -exponent) : 1;
+    b->half = vec_scale(half, b->scale);
+}
+
+static void begin(struct bvh *tree, const struct source *s, struct arena *mem)
+{
+    struct bounds all = BOUNDS_EMPTY;
+
+    tree->item = arena_array(mem, tree->n_item, sizeof *tree->item);
+    for (size_t i = 0; i < tree->n_item; i++) {
+        all = bounds_join(all, s->box(s->of, i));
+        tree->item[i] = (uint32_t)i;
+    }
+    measure(tree, all);
+}
+
+void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, size_t i),
+               const void *of, unsigned leaf_size, unsigned threads, struct arena *mem)
+{
+    struct source source = { tree, box, of };
+    struct arena scrap;
+
+    *tree = (struct bvh) { .n_item = n };
+    if (n == 0)
+        return;
+    begin(tree, &source, mem);
+    arena_init(&scrap, mem->budget);
+    struct cells cells = { .mem = &scrap };
+    cells_make(&cells, tree->item, (uint32_t)n, n > UNDIVIDED ? CELL : UNDIVIDED, middle_of, &source);
+    struct parts all = { &source, tree->item, leaf_size, &scrap, NULL, 0 };
+    cut_into_parts(&all, &cells);
+    jobs_run(threads, all.n, build_part, &all);
+    struct builder top = { .mem = &scrap, .leaf_size = 1 };
+    build_top(&top, &all, cells.n);
+    assemble(tree, &top, &all, mem);
+    join_cells(tree, &top, &all, leaf_size);
+    arena_free(&scrap);
+}
