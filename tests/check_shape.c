@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "oracle/oracle.h"
+#include "shape/packet.h"
 #include "shape/shapes.h"
 #include "shape/triangle.h"
 
@@ -215,6 +216,80 @@ START_TEST(test_nearest_is_the_first_hit_within_limits)
                           && found.part == h[k].part && found.u == h[k].u && found.v == h[k].v);
         }
     }
+}
+END_TEST
+
+/* A packet of rays, some of them odd; the columns are filled up. */
+static void fill_packet(const struct shape_ops *ops, const void *self, struct packet *p)
+{
+    static const double odd[] = { 0, -0.0, 1, -1, 1e-310, 1e-200, 1e200, 1e308, INFINITY, NAN };
+
+    p->n = 1 + (int)uniform(0, PACKET);
+    for (int i = 0; i < PACKET; i++) {
+        struct ray r = some_ray(ops, self, pow(10, uniform(-1, 8)));
+        double v[] = { r.origin.x, r.origin.y, r.origin.z, r.dir.x, r.dir.y, r.dir.z };
+        if (uniform(0, 1) < 0.1)
+            v[(int)uniform(0, 6)] = odd[(int)uniform(0, sizeof odd / sizeof *odd)];
+        for (int axis = 0; axis < 3; axis++) {
+            p->o[axis][i] = v[axis];
+            p->d[axis][i] = v[3 + axis];
+        }
+    }
+}
+
+/* Lane i of what hits_many said, as hits() would. */
+static int crossings_of(const struct crossings *c, int i, struct hit out[])
+{
+    int n = 0;
+
+    for (int k = 0; (c->met[i / WIDE] >> i % WIDE & 1) && k < c->most; k++)
+        if (!isnan(c->t[k][i]))
+            out[n++] = (struct hit) { c->t[k][i], c->slack[k][i],
+                                      c->has_weights ? (float)c->u[i] : 0,
+                                      c->has_weights ? (float)c->v[i] : 0,
+                                      (uint32_t)c->part[k][i] };
+    return n;
+}
+
+/* An infinite direction's slack may be NaN. */
+static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
+
+START_TEST(test_many_rays_hit_what_each_hits)
+{
+    EACH_SHAPE;
+    static struct packet p;
+    static struct crossings c;
+    int n_sure = 0, n_met = 0;
+
+    for (int i = 0; ops->hits_many && i < ROUNDS; i++) {
+        void *self = some_shape(ops, NULL);
+        uint8_t may[PACKET / 2];
+        fill_packet(ops, self, &p);
+        for (int k = 0; k < PACKET / 2; k++)
+            may[k] = (uint8_t)uniform(0, 1 << WIDE);
+        memset(&c, 0xff, sizeof c);
+        ops->hits_many(self, &p, may, &c);
+        for (int j = 0; j < p.n; j++) {
+            struct hit one[SHAPE_MOST_HITS], many[2];
+            bool asked = may[j / WIDE] >> j % WIDE & 1, sure = !(c.unsure[j / WIDE] >> j % WIDE & 1);
+            int n = crossings_of(&c, j, many);
+            ck_assert(n == 0 || (asked && sure));
+            if (!asked || !sure)
+                continue;
+            ck_assert_int_eq(ops->hits(self, packet_ray(&p, j), one), n);
+            for (int k = 0; k < n; k++)
+                ck_assert(many[k].t == one[k].t && same(many[k].slack, one[k].slack)
+                          && many[k].part == one[k].part && many[k].u == one[k].u
+                          && many[k].v == one[k].v);
+            n_met += n > 0;
+            n_sure++;
+        }
+    }
+    if (ops->hits_many) {
+        ck_assert_int_gt(n_sure, ROUNDS * PACKET / 8);
+        ck_assert_int_gt(n_met, n_sure / 10);
+    }
+    (void)RAYS;
 }
 END_TEST
 
@@ -762,6 +837,7 @@ int main(void)
     tcase_add_loop_test(rows, test_spans_are_what_hits_say, 0, n);
     tcase_add_loop_test(rows, test_hits_come_in_order_and_within_bounds, 0, n);
     tcase_add_loop_test(rows, test_nearest_is_the_first_hit_within_limits, 0, n);
+    tcase_add_loop_test(rows, test_many_rays_hit_what_each_hits, 0, n);
     tcase_add_loop_test(rows, test_a_normal_points_outward_across_the_surface, 0, n);
     tcase_add_loop_test(rows, test_a_solids_hits_alternate, 0, n);
     tcase_add_loop_test(rows, test_a_solid_has_an_even_number_of_hits_from_anywhere, 0, n);

@@ -1,6 +1,6 @@
 /* box.c: box { CORNER, CORNER } */
 #include "shape/shapes.h"
-#include "shape/unit.h"
+#include "shape/packet.h"
 
 struct box {
     vec3 corner[2];                     /* low, high */
@@ -127,6 +127,55 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return span_nearest(cut, self, ((const struct box *)self)->size, ray, near, far, out);
 }
 
+/* The same for a register of rays. */
+struct wide_slab { wide enter, leave; wide_mask back; };
+
+INLINE struct wide_slab wide_slab_of(double low, double high, wide origin, wide dir)
+{
+    wide inverse = 1 / dir;
+    wide_mask back = wide_signs(inverse);
+    wide a = (low - origin) * inverse, b = (high - origin) * inverse;
+
+    return (struct wide_slab) { wide_pick(back, b, a), wide_pick(back, a, b), back };
+}
+
+INLINE wide_ints side_of(wide_mask is_high, enum face low)
+{
+    return wide_pick_ints(is_high, wide_ints_of((int64_t)low + 1), wide_ints_of(low));
+}
+
+INLINE wide_mask cut_many(const void *self, const struct wide_ray *r, struct wide_span *out,
+                          wide_mask *unsure)
+{
+    const struct box *s = self;
+    vec3 low = s->corner[0], high = s->corner[1];
+    struct wide_slab x = wide_slab_of(low.x, high.x, r->o.x, r->d.x);
+    struct wide_slab y = wide_slab_of(low.y, high.y, r->o.y, r->d.y);
+    struct wide_slab z = wide_slab_of(low.z, high.z, r->o.z, r->d.z);
+    wide near = wide_max(z.enter, wide_max(y.enter, wide_max(x.enter, wide_of(-INFINITY))));
+    wide far = wide_min(z.leave, wide_min(y.leave, wide_min(x.leave, wide_of(INFINITY))));
+    wide_mask met = wide_at_most(near - 8 * ROUNDING * wide_abs(near), far);
+
+    (void)unsure;
+    if (!wide_bits(met))
+        return met;
+    out->near = near;
+    out->far = wide_max(far, near);
+    out->near_part = wide_pick_ints(wide_equal(near, x.enter), side_of(x.back, LOW_X),
+                     wide_pick_ints(wide_equal(near, y.enter), side_of(y.back, LOW_Y),
+                                    side_of(z.back, LOW_Z)));
+    out->far_part = wide_pick_ints(wide_equal(far, x.leave), side_of(wide_not(x.back), LOW_X),
+                    wide_pick_ints(wide_equal(far, y.leave), side_of(wide_not(y.back), LOW_Y),
+                                   side_of(wide_not(z.back), LOW_Z)));
+    return met;
+}
+
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    packet_spans(cut_many, self, ((const struct box *)self)->size, p, may, out);
+}
+
 static bool inside(const void *self, vec3 p)
 {
     const struct box *s = self;
@@ -175,5 +224,5 @@ const struct shape_ops shape_box = {
     .size = sizeof(struct box), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .inside = inside, .normal = normal, .uv = uv,
+    .hits_many = hits_many, .inside = inside, .normal = normal, .uv = uv,
 };

@@ -57,6 +57,12 @@ static void spans(const void *self, const struct rays *rays, double near[], doub
     frustum_spans(of(self), rays, near, far);
 }
 
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    frustum_hits_many(of(self), p, may, out);
+}
+
 static bool is_leaky(const void *self) { return of(self)->is_open; }
 static bool inside(const void *self, vec3 p) { return frustum_inside(of(self), p); }
 
@@ -70,5 +76,5 @@ const struct shape_ops shape_cylinder = {
     .size = sizeof(struct cylinder), .defaults = &defaults, .args = args, .n_required = 3,
     .words = words, .is_solid = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .is_leaky = is_leaky, .inside = inside, .normal = normal,
+    .hits_many = hits_many, .is_leaky = is_leaky, .inside = inside, .normal = normal,
 };

@@ -1,7 +1,7 @@
 /* disc.c: disc { CENTRE, NORMAL, RADIUS [, HOLE] } */
 #include "math/dd.h"
 #include "shape/shapes.h"
-#include "shape/unit.h"
+#include "shape/packet.h"
 
 struct disc {
     vec3 centre, normal;
@@ -83,6 +83,25 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return nearest(self, &ray, -INFINITY, INFINITY, out);
 }
 
+INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
+{
+    const struct disc *s = self;
+    struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s->centre), s->unit);
+    wide at = -wide_dot_vec(from, s->normal) / wide_dot_vec(r->d, s->normal);
+    struct wide3 q = wide3_fma(from, at, r->d);
+    wide rr = wide_dot(q, q);
+
+    *t = at * s->size;
+    return wide_at_most(rr, wide_of(s->r * s->r)) & wide_at_most(wide_of(s->h * s->h), rr)
+           & wide_is_finite(*t);
+}
+
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    packet_crosses(cross_many, self, ((const struct disc *)self)->radius, p, may, out);
+}
+
 /* All behind the disc, whatever its radius (facts shading.md 7.2). */
 static bool inside(const void *self, vec3 p)
 {
@@ -102,5 +121,5 @@ const struct shape_ops shape_disc = {
     .size = sizeof(struct disc), .defaults = &defaults, .args = args, .n_required = 3,
     .most_hits = 1,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
-    .inside = inside, .normal = normal,
+    .hits_many = hits_many, .inside = inside, .normal = normal,
 };

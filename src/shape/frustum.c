@@ -218,6 +218,100 @@ bool frustum_nearest(const struct frustum *s, struct ray ray, double near, doubl
     return false;
 }
 
+/* ---- the same for a register of rays ---- */
+
+INLINE struct wide3 turn_many(const struct frustum *s, struct wide3 v)
+{
+    return (struct wide3) { wide_dot_vec(v, s->x), wide_dot_vec(v, s->y), wide_dot_vec(v, s->z) };
+}
+
+/* As cut_wall, but that lines along a cylinder's axis and such are unsure. */
+INLINE wide_mask cut_wall_many(const struct frustum *s, struct wide3 p, struct wide3 d, wide *near,
+                               wide *far, wide_mask *unsure)
+{
+    const wide none = wide_of(0), endless = wide_of(INFINITY);
+    wide rho = wide_fma(wide_of(s->slope), p.z, wide_of(s->r)), grow = s->slope * d.z;
+    wide u = wide_difference_of_products(p.x, grow, rho, d.x);
+    wide v = wide_difference_of_products(p.y, grow, rho, d.y);
+    wide w = wide_difference_of_products(p.x, d.y, p.y, d.x);
+    wide left = u * u + v * v - w * w;
+    wide a = d.x * d.x + d.y * d.y - grow * grow;
+    wide_mask twice = wide_below(none, a);      /* one nappe; else each nappe once */
+
+    *unsure |= wide_equal(a, none);
+    wide_mask met = wide_not(twice) | wide_below(none, left);
+    if (!wide_bits(met | *unsure))
+        return met;
+    wide b = p.x * d.x + p.y * d.y - rho * grow;
+    wide c = p.x * p.x + p.y * p.y - rho * rho;
+    wide root = wide_sqrt(wide_max(left, none)), q = -(b + wide_copysign(root, b));
+    wide t = q / a, o = wide_pick(wide_equal(q, none), t, c / q);
+    wide first = wide_min(t, o), last = wide_max(t, o);
+    wide_mask grows = wide_below(none, grow);
+
+    *unsure |= wide_not(wide_equal(t, t) & wide_equal(o, o));
+    *near = wide_pick(twice, first, wide_pick(grows, last, -endless));
+    *far = wide_pick(twice, last, wide_pick(grows, endless, first));
+    return met & (wide_not(twice) | wide_at_most(none, rho * a - grow * b));
+}
+
+INLINE wide_ints part_of(wide_mask is_wall, wide_mask is_base)
+{
+    return wide_pick_ints(is_wall, wide_ints_of(FRUSTUM_WALL),
+                          wide_pick_ints(is_base, wide_ints_of(FRUSTUM_BASE),
+                                         wide_ints_of(FRUSTUM_CAP)));
+}
+
+INLINE wide_mask cut_many(const void *self, const struct wide_ray *r, struct wide_span *out,
+                          wide_mask *unsure)
+{
+    const struct frustum *s = self;
+    struct wide3 d = turn_many(s, r->d);
+    struct wide3 from = turn_many(s, wide3_scale(wide3_sub_vec(r->o, s->base), s->unit));
+    wide mid = -wide_dot(from, d) / wide_dot(d, d);
+    struct wide3 p = wide3_fma(from, mid, d);
+    wide near = wide_of(0), far = near;
+    wide_mask met = cut_wall_many(s, p, d, &near, &far, unsure);
+
+    if (!wide_bits(met))
+        return met;
+    wide a = (0 - p.z) / d.z, b = (s->height - p.z) / d.z;
+    wide_mask down = wide_signs(d.z);
+    wide enter = wide_pick(down, b, a), leave = wide_pick(down, a, b);
+    wide_mask by_disc = wide_below(near, enter), to_disc = wide_below(leave, far);
+
+    near = wide_pick(by_disc, enter, near);
+    far = wide_pick(to_disc, leave, far);
+    out->near = (mid + near) * s->size;
+    out->far = (mid + far) * s->size;
+    out->near_part = part_of(wide_not(by_disc), wide_not(down));
+    out->far_part = part_of(wide_not(to_disc), down);
+    return met & wide_at_most(near, far);
+}
+
+/* Nothing is met by crossing a disc that is not there. */
+static void leave_out_discs(const struct packet *p, struct crossings *c)
+{
+    for (int at = 0, k = 0; at < p->n; at += WIDE, k++) {
+        wide_mask any = wide_mask_of(0);
+        for (int i = 0; c->met[k] && i < 2; i++) {
+            wide_mask is_disc = wide_ints_below(wide_ints_of(FRUSTUM_WALL),
+                                                wide_load_ints(c->part[i] + at));
+            wide_store(c->t[i] + at, wide_pick(is_disc, wide_of(NAN), wide_load(c->t[i] + at)));
+            any |= wide_not(is_disc);
+        }
+        c->met[k] &= (uint8_t)wide_bits(any);
+    }
+}
+
+void frustum_hits_many(const struct frustum *s, const struct packet *p, const uint8_t may[],
+                       struct crossings *out)
+{
+    packet_spans(cut_many, s, s->reach, p, may, out);
+    if (s->is_open)
+        leave_out_discs(p, out);
+}
+
 bool frustum_inside(const struct frustum *s, vec3 p)
 {
     vec3 q = to_own(s, p);

@@ -7,7 +7,7 @@
 #define RTC_FRUSTUM_H
 
 #include "math/dd.h"
-#include "shape/unit.h"
+#include "shape/packet.h"
 
 struct frustum {
     vec3 base;                          /* centre of the base disc */
@@ -29,5 +29,7 @@ int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[]);
 bool frustum_nearest(const struct frustum *s, struct ray ray, double near, double far,
                      struct hit *out);
 void frustum_spans(const struct frustum *s, const struct rays *rays, double near[], double far[]);
+void frustum_hits_many(const struct frustum *s, const struct packet *p, const uint8_t may[],
+                       struct crossings *out);
 
 #endif

@@ -1,6 +1,6 @@
 /* plane.c: plane { NORMAL, DISTANCE }: all behind it is inside. */
 #include "shape/shapes.h"
-#include "shape/unit.h"
+#include "shape/packet.h"
 
 struct plane {
     vec3 normal;                        /* made unit length */
@@ -84,6 +84,20 @@ static void spans(const void *self, const struct rays *r, double near[], double 
     halves(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
+INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
+{
+    const struct plane *s = self;
+
+    *t = (s->distance - wide_dot_vec(r->o, s->normal)) / wide_dot_vec(r->d, s->normal);
+    return wide_is_finite(*t);
+}
+
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    packet_crosses(cross_many, self, fabs(((const struct plane *)self)->distance), p, may, out);
+}
+
 static bool starts_inside(const void *self, vec3 dir)
 {
     return vec_dot(((const struct plane *)self)->normal, dir) > 0;
@@ -107,5 +121,5 @@ const struct shape_ops shape_plane = {
     .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_infinite = true, .most_hits = 1,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .starts_inside = starts_inside, .inside = inside, .normal = normal,
+    .hits_many = hits_many, .starts_inside = starts_inside, .inside = inside, .normal = normal,
 };

@@ -42,6 +42,9 @@ struct bounds { vec3 low, high; };      /* may be infinite; low > high: empty */
 
 enum { SHAPE_MOST_HITS = 64 };          /* the largest most_hits of any row */
 
+struct packet;
+struct crossings;
+
 struct shape_ops {
     const char *name;                   /* the word of the language */
     const char *help;                   /* one line */
@@ -87,6 +90,12 @@ struct shape_ops {
      * Both NaN: this ray is left to hits().  No array overlaps another.
      * NULL: nobody wrote it. */
     void (*spans)(const void *self, const struct rays *rays, double near[], double far[]);
+
+    /* What hits() says, for many rays at once (packet.h); may: a byte a
+     * register, a bit a lane that is asked for.  NULL: ask one by one.  For
+     * shapes of one or two hits. */
+    void (*hits_many)(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out);
 };
 
 extern const struct shape_ops *const shapes[];      /* NULL ends */

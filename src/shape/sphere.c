@@ -1,7 +1,7 @@
 /* sphere.c: sphere { CENTRE, RADIUS } */
 #include "shape/shapes.h"
 #include "math/dd.h"
-#include "shape/unit.h"
+#include "shape/packet.h"
 
 struct sphere {
     vec3 centre;
@@ -143,6 +143,34 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return span_nearest(cut, self, ((const struct sphere *)self)->radius, ray, near, far, out);
 }
 
+/* As cut(), for a register of rays. */
+INLINE wide_mask cut_many(const void *self, const struct wide_ray *r, struct wide_span *out,
+                          wide_mask *unsure)
+{
+    const struct sphere *s = self;
+    struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s->centre), s->unit);
+    wide inverse = 1 / wide_dot(r->d, r->d);
+    wide mid = -wide_dot(from, r->d) * inverse;
+    struct wide3 c = wide3_fma(from, mid, r->d);
+    wide left = wide_fma(wide_of(s->r), wide_of(s->r), -wide_dot(c, c));
+    wide error = 4 * ROUNDING * (wide3_sum_abs(from) + s->r);
+    wide_mask met = wide_below(wide_of(0), left);
+
+    *unsure |= wide_at_most(wide_abs(left), error * (4 * s->r + error));
+    if (!wide_bits(met))
+        return met;
+    wide half = wide_sqrt(left * inverse);
+    *out = (struct wide_span) { (mid - half) * s->size, (mid + half) * s->size,
+                                wide_ints_of(0), wide_ints_of(0) };
+    return met;
+}
+
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    packet_spans(cut_many, self, ((const struct sphere *)self)->radius, p, may, out);
+}
+
 static bool inside(const void *self, vec3 p)
 {
     const struct sphere *s = self;
@@ -172,5 +200,5 @@ const struct shape_ops shape_sphere = {
     .size = sizeof(struct sphere), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_ball = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .inside = inside, .normal = normal, .uv = uv,
+    .hits_many = hits_many, .inside = inside, .normal = normal, .uv = uv,
 };

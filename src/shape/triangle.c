@@ -100,6 +100,34 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return nearest(self, &ray, -INFINITY, INFINITY, out);
 }
 
+static void hits_many(const void *self, const struct packet *p, const uint8_t may[],
+                      struct crossings *out)
+{
+    const struct triangle *s = self;
+    const vec3 *c = s->corner;
+
+    out->most = 1;
+    out->has_weights = true;
+    for (int at = 0, k = 0; at < p->n; at += WIDE, k++) {
+        out->met[k] = out->unsure[k] = 0;
+        if (!may[k])
+            continue;
+        struct wide_ray ray = packet_rays(p, at);
+        struct wide_triangle_ray r = wide_triangle_ray(&ray);
+        struct wide_triangle_hit h;
+        wide_mask unsure = wide_mask_of(0);
+        wide_mask met = wide_triangle_cross(&r, c[0], c[1], c[2], &h, &unsure);
+        met &= wide_is_finite(h.t) & wide_not(unsure);
+        out->unsure[k] = (uint8_t)(wide_bits(unsure) & may[k]);
+        out->met[k] = (uint8_t)(wide_bits(met) & may[k]);
+        if (!out->met[k])
+            continue;
+        crossings_put(out, 0, at, h.t, wide_triangle_slack(&r, c[0], c[1], c[2]), wide_ints_of(0));
+        wide_store(out->u + at, h.u);
+        wide_store(out->v + at, h.v);
+    }
+}
+
 static vec3 normal(const void *self, vec3 p, const struct hit *h)
 {
     (void)p;
@@ -120,7 +148,8 @@ const struct shape_ops shape_triangle = {
     .name = "triangle", .help = "a flat triangle",
     .size = sizeof(struct triangle), .defaults = &defaults, .args = args, .n_required = 3,
     .most_hits = 1,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .normal = normal,
+    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
+    .hits_many = hits_many, .normal = normal,
 };
 
 static const struct triangle smooth_defaults = {
@@ -133,5 +162,5 @@ const struct shape_ops shape_smooth_triangle = {
     .size = sizeof(struct triangle), .defaults = &smooth_defaults, .args = smooth_args,
     .n_required = 6, .most_hits = 1,
     .prepare = prepare_smooth, .bounds = bounds, .hits = hits, .nearest = nearest,
-    .normal = normal_smooth,
+    .hits_many = hits_many, .normal = normal_smooth,
 };
