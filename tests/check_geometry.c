@@ -736,6 +736,93 @@ START_TEST(test_points_in_arrays_are_what_each_is_alone)
 }
 END_TEST
 
+/* Corners on a coarse grid, so that many faces coincide. */
+static double on_grid(void) { return 0.25 * (below(9) - 4); }
+
+static struct object *gridded_shape(void)
+{
+    double x = on_grid(), y = on_grid(), z = on_grid(), h = 0.25 * (1 + below(4));
+
+    switch (below(4)) {
+    case 0:  return sphere(vec(x, y, z), 0.25 * (1 + below(4)));
+    case 1:  return box(vec(x, y, z), vec(x + h, y + 0.5, z + 1));
+    case 2:  return SHAPE("cylinder", x, y, z, x, y + h, z, 0.5);
+    default: return SHAPE("plane", 0, 1, 0, y);
+    }
+}
+
+/* Differences and intersections that touch where they can. */
+static struct object *gridded_csg(void)
+{
+    static const enum object_kind kinds[] = { OBJECT_INTERSECTION, OBJECT_DIFFERENCE,
+                                              OBJECT_DIFFERENCE };
+    struct object *child[4];
+    size_t n = 2 + (size_t)below(3);
+
+    child[0] = box(vec(-1, -1, -1), vec(1, 1, 1));
+    for (size_t i = 1; i < n; i++)
+        child[i] = below(3) ? gridded_shape() : moved(gridded_shape(), turned(in_cube(180), in_cube(0.3)));
+    return group(kinds[below(3)], child, n);
+}
+
+enum { COLUMN = 300 };
+
+static void fill_columns(double column[6][COLUMN], int i, struct ray ray)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        column[axis][i] = vec_get(ray.origin, axis);
+        column[3 + axis][i] = vec_get(ray.dir, axis);
+    }
+}
+
+/* Rays that lie together, so that they make beams. */
+static void many_are_as_each(const struct plan *p)
+{
+    struct scratch *s = scratch_new(p, &mem);
+    vec3 from = vec_scale(on_sphere(), below(2) ? 1 : 12), to = in_cube(4);
+    double column[6][COLUMN], far[COLUMN];
+    struct meeting many[COLUMN], one;
+    uint64_t barrier[COLUMN];
+    uint8_t mask[COLUMN];
+
+    for (int i = 0; i < COLUMN; i++) {
+        vec3 at = vec_add(to, vec(0.02 * (i % 20), below(10) ? 0.02 * (i / 20) : 0.25, 0));
+        fill_columns(column, i, (struct ray) { from, vec_unit(vec_sub(at, from)) });
+        mask[i] = RAY_PRIMARY;
+        far[i] = i % 3 ? 20 : uniform(0, 16);
+    }
+    const struct rays rays = { COLUMN, column[0], column[1], column[2], column[3], column[4],
+                               column[5] };
+    geometry_nearest_many(p, s, &rays, mask, many);
+    geometry_blocked_many(p, s, &rays, far, 0, barrier);
+    for (int i = 0; i < COLUMN; i++) {
+        struct ray ray = rays_at(&rays, i);
+        bool met = geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &one);
+        ck_assert_int_eq(met, many[i].leaf != NO_LEAF);
+        if (met)
+            ck_assert(one.t == many[i].t && one.leaf == many[i].leaf
+                      && one.hit.part == many[i].hit.part && one.hit.slack == many[i].hit.slack);
+        ck_assert_int_eq(geometry_blocked(p, s, ray, far[i], 0), barrier[i] == BARRIER_OPAQUE);
+    }
+}
+
+/* First in few, then in many, of which beams find some. */
+START_TEST(test_rays_in_arrays_meet_csg_as_each_does)
+{
+    for (int round = 0; round < 400; round++) {
+        int n = round % 2 ? 3 : 60;
+        double apart = round % 2 ? 0.5 : 6;
+        scene_init(&scene, &mem);
+        for (int i = 0; i < n; i++) {
+            struct object *o = below(5) ? gridded_csg() : random_csg(2);
+            vec3 by = below(2) ? in_cube(apart) : vec(0.5 * below(6), 0, 0.5 * below(6));
+            scene_add(&scene, moved(o, turned(below(2) ? vec(0, 0, 0) : in_cube(180), by)));
+        }
+        many_are_as_each(plan());
+    }
+}
+END_TEST
+
 /* A hole through o along x, y or z, whose cutter ends in o's own face. */
 static void no_film(struct object *o, vec3 hole_from, vec3 hole_to, double radius)
 {
@@ -1020,6 +1107,7 @@ int main(void)
     tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);
     tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
     tcase_add_test(tc, test_csg_shows_exactly_where_its_inside_begins_and_ends);
+    tcase_add_test(tc, test_rays_in_arrays_meet_csg_as_each_does);
     tcase_add_test(tc, test_csg_normals_point_out_of_the_solid);
     tcase_add_test(tc, test_points_in_arrays_are_what_each_is_alone);
     tcase_add_test(tc, test_coincident_faces_leave_no_film);

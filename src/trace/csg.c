@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "math/wide.h"
+#include "trace/convex.h"
 #include "trace/world.h"
 
 enum { PARTS_A_LEAF = 2, MOST_MESH_HITS = 1 << 14 };
@@ -89,15 +90,19 @@ static void set_box(struct batch *o, size_t at, struct bounds b)
     }
 }
 
+bool csg_is_cut_only(const struct csg *c, const struct csg_part *part)
+{
+    for (uint32_t at = part->parent; at != NO_LEAF; at = c->node[at].parent)
+        if (c->node[at].kind != CSG_INTERSECTION && c->node[at].n_child > 1)
+            return false;
+    return true;
+}
+
 /* Of a difference or an intersection, solids that the whole lies in. */
 static bool is_required(const struct csg *c, const struct csg_part *part)
 {
-    if (!part->alternates || part->is_asked || c->leaf[part->leaf].inverse)
-        return false;
-    for (uint32_t at = part->parent; at != NO_LEAF; at = c->node[at].parent)
-        if (c->node[at].kind != CSG_INTERSECTION)
-            return false;
-    return true;
+    return part->alternates && !part->is_asked && !c->leaf[part->leaf].inverse
+           && csg_is_cut_only(c, part);
 }
 
 struct finite { const struct csg *csg; const uint32_t *part; };
@@ -151,6 +156,7 @@ void csg_finish(struct csg *c, struct arena *mem)
             finite[n++] = i;
     }
     (n <= MOST_BOXES ? make_boxes : make_tree)(c, &(struct finite) { c, finite }, n, mem);
+    c->convex = convex_new(c, mem);
 }
 
 void csg_scratch_init(struct csg_scratch *s, const struct csg c[], size_t n, struct arena *mem)
@@ -285,15 +291,13 @@ static double uncertainty(const struct sweep *w, const struct csg_event *e)
     return leaf_slack(l, w->ray, &e->hit) / across;
 }
 
-static const double worth_a_look = 0x1p-20;     /* of the distance: far above any rounding */
-
 static bool coincide(const struct sweep *w, const struct csg_event *a, const struct csg_event *b)
 {
     double gap = b->hit.t - a->hit.t;
 
     if (gap == 0)
         return true;
-    if (gap > worth_a_look * (fabs(a->hit.t) + w->reach))
+    if (gap > CSG_WORTH_A_LOOK * (fabs(a->hit.t) + w->reach))
         return false;
     return gap <= uncertainty(w, a) + uncertainty(w, b);
 }

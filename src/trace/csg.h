@@ -45,6 +45,7 @@ struct csg {
     struct part_boxes *boxes;           /* of the finite parts, if they are few; else NULL, and */
     struct bvh tree;                    /* over them */
     uint32_t required;                  /* bits of boxes: nothing is seen on lines that miss one */
+    const struct convex *convex;        /* NULL: more than convex solids cut with one another */
     size_t most_events;
     uint32_t surface_leaf;              /* whose surface stands for the whole */
     uint8_t mask;
@@ -70,6 +71,13 @@ struct csg_scratch {
     int hits_room;
     unsigned long long *box_tests;
 };
+
+/* Crossings that lie further apart than this share of their distance from
+ * the origin never coincide: far above any rounding. */
+#define CSG_WORTH_A_LOOK 0x1p-20
+
+/* Nothing is seen but where the part and all else contain the point. */
+bool csg_is_cut_only(const struct csg *c, const struct csg_part *part);
 
 /* Completes a csg whose nodes and parts are there; n_child and at_rest too. */
 void csg_finish(struct csg *c, struct arena *mem);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "trace/beam.h"
+#include "trace/convex.h"
 #include "trace/world.h"
 
 enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found by looking again */
@@ -30,6 +31,7 @@ enum { MOST_LISTS = 16 };
 struct scratch {
     const struct plan *plan;
     struct csg_scratch csg;
+    struct convex_work *convex;
     struct geometry_counts counts;
     struct blocker *blocker;            /* a light */
     size_t n_blocker;
@@ -46,6 +48,7 @@ struct scratch *scratch_new(const struct plan *p, struct arena *mem)
 
     s->plan = p;
     csg_scratch_init(&s->csg, p->geometry->csg, p->geometry->n_csg, mem);
+    s->convex = arena_alloc_aligned(mem, p->geometry->n_csg ? sizeof *s->convex : 1, 64);
     s->csg.box_tests = &s->counts.box_tests;
     s->n_blocker = p->n_light;
     s->blocker = arena_array(mem, p->n_light + 1, sizeof *s->blocker);
@@ -206,6 +209,8 @@ static bool is_better(const struct search *s, double t, uint32_t leaf)
     return rank(s->instance, leaf) < rank(b->instance, b->leaf);
 }
 
+static double beyond(double t) { return t * (1 + 0x1p-52); }
+
 static void take(struct search *s, const struct hit *h, uint32_t leaf, bool flipped)
 {
     struct meeting *b = s->best;        /* member by member: wide copies of narrow stores stall */
@@ -218,7 +223,7 @@ static void take(struct search *s, const struct hit *h, uint32_t leaf, bool flip
     b->leaf = leaf;
     b->instance = s->instance;
     b->flipped = flipped;
-    s->far = h->t * (1 + 0x1p-52);
+    s->far = beyond(h->t);
 }
 
 INLINE void meet_leaf(struct search *s, uint32_t number)
@@ -463,26 +468,96 @@ static void beam_went_badly(struct pace *p, int n)
     p->rest = p->wait;
 }
 
+/* NULL: not that kind of CSG, or not CSG at all. */
+static const struct csg *convex_of(const struct plan *p, uint32_t item)
+{
+    const struct csg *c = &p->geometry->csg[item_number(item)];
+
+    return item_kind(item) == ITEM_CSG && c->convex ? c : NULL;
+}
+
+/* The crossing at t, which is known to be there. */
+static struct hit leaf_hit_at(const struct leaf *l, struct ray ray, double t)
+{
+    struct hit hit[SHAPE_MOST_HITS];
+    int i = 0;
+
+    l->ops->hits(l->shape, leaf_ray(l, ray), hit);
+    while (hit[i].t != t)
+        i++;
+    return hit[i];
+}
+
+/* What search knows of ray i; its hits go to out[i]. */
+static void search_for(struct search *s, const struct rays *r, int i, const uint8_t *mask,
+                       struct meeting *out)
+{
+    s->ray = rays_at(r, i);
+    s->mask = mask[i];
+    s->best = &out[i];
+    s->far = out[i].leaf == NO_LEAF ? INFINITY : beyond(out[i].t);
+}
+
+static void take_convex(struct search *s, const struct csg *c, uint32_t part, double t)
+{
+    uint32_t number = c->part[part].leaf;
+    const struct leaf *l = &s->plan->leaf[number];
+
+    if (!(c->mask & s->mask) || !is_better(s, t, number))
+        return;
+    struct hit h = leaf_hit_at(l, s->ray, t);
+    take(s, &h, number, l->inverse);
+}
+
+/* CSG of convex solids goes first, many rays at once; where that does not
+ * know, the bit of may stays. */
+static void nearest_of_convex(struct search *s, const struct choice *c, uint32_t k,
+                              const struct rays *r, const uint8_t *mask, uint64_t *may,
+                              struct meeting *out)
+{
+    const struct csg *csg = convex_of(s->plan, c->few->item[k]);
+    struct convex_work *w = s->s->convex;
+
+    for (int at = 0; csg && convex_gather(w, r, may, k, &at);) {
+        for (int j = 0; j < w->n; j++) {
+            search_for(s, r, w->number[j], mask, out);
+            w->far[j] = s->far;
+        }
+        convex_cast(csg, w);
+        s->s->counts.csg_tests += (unsigned)w->n;
+        for (int j = 0; j < w->n; j++) {
+            int i = w->number[j];
+            if (w->part[j] == CONVEX_UNKNOWN)
+                continue;
+            may[i] &= ~((uint64_t)1 << k);
+            if (w->part[j] == CONVEX_NOTHING)
+                continue;
+            search_for(s, r, i, mask, out);
+            take_convex(s, csg, w->part[j], w->t[j]);
+        }
+    }
+}
+
 static void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
                               const struct rays *r, const uint8_t *mask, struct meeting *out)
 {
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
     uint64_t may[MANY];
+    double far;
 
     few_aim(c->few, r, NULL, may);
     for (int i = 0; i < r->n; i++) {
-        double far;
-        out[i].leaf = NO_LEAF;
-        if (!may[i])
-            continue;
         out[i].t = INFINITY;
+        out[i].leaf = NO_LEAF;
         out[i].instance = NO_INSTANCE;
-        search.ray = rays_at(r, i);
-        search.mask = mask[i];
-        search.far = INFINITY;
-        search.best = &out[i];
-        visit_nearest(&search, c->few->item, (uint32_t)may[i], &far);
     }
+    for (int k = 0; k < c->few->n; k++)
+        nearest_of_convex(&search, c, (uint32_t)k, r, mask, may, out);
+    for (int i = 0; i < r->n; i++)
+        if (may[i]) {
+            search_for(&search, r, i, mask, out);
+            visit_nearest(&search, c->few->item, (uint32_t)may[i], &far);
+        }
     s->counts.rays += (unsigned)r->n;
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
@@ -562,6 +637,33 @@ static uint32_t bit_of(const struct blocker *b, const struct few *few)
     return NO_BIT;
 }
 
+/* The same for shadow rays, whose bits go where the way is free. */
+static void blocked_by_convex(struct search *s, const struct choice *c, uint32_t k,
+                              const struct rays *r, const double *far, uint64_t *may,
+                              uint64_t *barrier)
+{
+    const struct csg *csg = convex_of(s->plan, c->few->item[k]);
+    struct convex_work *w = s->s->convex;
+
+    for (int at = 0; csg && (csg->mask & RAY_SHADOW) && convex_gather(w, r, may, k, &at);) {
+        for (int j = 0; j < w->n; j++)
+            w->far[j] = far[w->number[j]];
+        convex_cast(csg, w);
+        s->s->counts.csg_tests += (unsigned)w->n;
+        for (int j = 0; j < w->n; j++) {
+            int i = w->number[j];
+            if (w->part[j] == CONVEX_UNKNOWN)
+                continue;
+            if (w->part[j] == CONVEX_NOTHING) {
+                may[i] &= ~((uint64_t)1 << k);
+            } else if (is_opaque(s, &s->plan->leaf[csg->part[w->part[j]].leaf])) {
+                may[i] = 0;
+                barrier[i] = BARRIER_OPAQUE;
+            }
+        }
+    }
+}
+
 static void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
                               const struct rays *r, const double *far, struct blocker *last,
                               uint64_t *barrier)
@@ -573,7 +675,12 @@ static void blocked_by_choice(const struct plan *p, struct scratch *s, const str
 
     last->bit = bit_of(last, c->few);
     few_aim(c->few, r, far, may);
+    memset(barrier, 0, (size_t)r->n * sizeof *barrier);
+    for (int k = 0; k < c->few->n; k++)
+        blocked_by_convex(&search, c, (uint32_t)k, r, far, may, barrier);
     for (int i = 0; i < r->n; i++) {
+        if (barrier[i] == BARRIER_OPAQUE)
+            continue;
         uint64_t clear = may[i] & c->clear;
         barrier[i] = clear && p->has_transparency ? clear | c->list : 0;
         if (!(may[i] & c->opaque))
