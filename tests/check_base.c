@@ -31,6 +31,36 @@ START_TEST(test_an_arena_goes_back_to_a_mark_and_gives_zeros)
 }
 END_TEST
 
+/* From small to more than a megabyte, and given back by a mark. */
+START_TEST(test_an_array_grows_and_keeps_what_it_holds)
+{
+    struct budget budget = { .limit = 0 };
+    struct arena a;
+    size_t room[2] = { 0, 0 };
+    uint32_t *item[2] = { NULL, NULL }, wrong = 0;
+
+    arena_init(&a, &budget);
+    struct arena_mark mark = arena_mark(&a);
+    for (uint32_t i = 0; i < 1 << 20; i++)
+        for (int k = 0; k < 2; k++) {
+            item[k] = arena_grow(&a, item[k], i, &room[k], sizeof *item[k]);
+            wrong |= item[k][i];
+            item[k][i] = i * 2 + (uint32_t)k;
+        }
+    for (uint32_t i = 0; i < 1 << 20; i++)
+        for (uint32_t k = 0; k < 2; k++)
+            wrong |= item[k][i] ^ (i * 2 + k);
+    ck_assert_uint_eq(wrong, 0);
+    ck_assert_uint_eq(budget.used, arena_size(&a));
+    ck_assert_uint_ge(arena_size(&a), 8 << 20);
+    arena_recycle(&a, mark);
+    ck_assert_uint_eq(budget.used, arena_size(&a));
+    ck_assert_uint_lt(arena_size(&a), 8 << 20);
+    arena_free(&a);
+    ck_assert_uint_eq(budget.used, 0);
+}
+END_TEST
+
 START_TEST(test_memory_is_zeroed_and_aligned)
 {
     for (size_t size = 1; size < 100000; size = size * 3 + 1) {
@@ -227,6 +257,7 @@ int main(void)
 
     tcase_add_checked_fixture(t, setup, teardown);
     tcase_add_test(t, test_an_arena_goes_back_to_a_mark_and_gives_zeros);
+    tcase_add_test(t, test_an_array_grows_and_keeps_what_it_holds);
     tcase_add_test(t, test_memory_is_zeroed_and_aligned);
     tcase_add_test(t, test_a_budget_counts_what_arenas_hold_and_lets_go);
     tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);

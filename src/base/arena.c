@@ -1,4 +1,6 @@
 /* arena.c: memory with one owner. */
+#include <config.h>
+
 #include "base/arena.h"
 
 #include <stdarg.h>
@@ -6,13 +8,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 struct arena_block {
     struct arena_block *before;
     size_t size, used;                  /* bytes, this header included */
 };
 
-enum { ALIGN = 16, HEADER = (sizeof(struct arena_block) + 15) & ~15, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22 };
+enum { ALIGN = 16, HEADER = (sizeof(struct arena_block) + 15) & ~15, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22,
+       LARGE_ARRAY = 1 << 20 };
 
 void arena_init(struct arena *a, struct budget *budget)
 {
@@ -126,12 +130,25 @@ size_t arena_size(const struct arena *a)
 
     for (const struct arena_block *b = a->block; b; b = b->before)
         size += b->size;
+    for (const struct arena_block *b = a->large; b; b = b->before)
+        size += b->size;
     return size;
 }
 
 struct arena_mark arena_mark(const struct arena *a)
 {
-    return (struct arena_mark) { a->block, a->block ? a->block->used : 0 };
+    return (struct arena_mark) { a->block, a->block ? a->block->used : 0, a->n_large };
+}
+
+static void drop_large(struct arena *a)
+{
+    struct arena_block *b = a->large;
+
+    a->large = b->before;
+    a->n_large--;
+    if (a->budget)
+        atomic_fetch_sub(&a->budget->used, b->size);
+    munmap(b, b->size);
 }
 
 static void drop_block(struct arena *a)
@@ -155,6 +172,8 @@ static void clear(struct arena_block *b, size_t from)
  * the next round finds its memory at hand. */
 void arena_recycle(struct arena *a, struct arena_mark mark)
 {
+    while (a->n_large > mark.n_large)
+        drop_large(a);
     while (a->block != mark.block
            && (a->block->before != mark.block || a->block->size > LARGEST_STEP))
         drop_block(a);
@@ -164,6 +183,8 @@ void arena_recycle(struct arena *a, struct arena_mark mark)
 
 void arena_free(struct arena *a)
 {
+    while (a->large)
+        drop_large(a);
     if (a->budget)
         atomic_fetch_sub(&a->budget->used, arena_size(a));
     while (a->block) {
@@ -173,12 +194,59 @@ void arena_free(struct arena *a)
     }
 }
 
+/* --- arrays that grow -------------------------------------------------------- */
+
+/* A large array has a block of its own, which the system moves to where there
+ * is more room without copying: no old copies are left behind. */
+static void *new_large(struct arena *a, const void *items, size_t used, size_t size)
+{
+    size += HEADER;
+    charge(a, size);
+    struct arena_block *b = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
+                                 -1, 0);
+    if (b == MAP_FAILED)
+        fail(a);
+    *b = (struct arena_block) { .before = a->large, .size = size };
+    a->large = b;
+    a->n_large++;
+    return used ? memcpy((char *)b + HEADER, items, used) : (char *)b + HEADER;
+}
+
+static void *grow_large(struct arena *a, struct arena_block **at, size_t size)
+{
+    size += HEADER;
+    charge(a, size - (*at)->size);
+    struct arena_block *b = mremap(*at, (*at)->size, size, MREMAP_MAYMOVE);
+    if (b == MAP_FAILED)
+        fail(a);
+    b->size = size;
+    *at = b;
+    return (char *)b + HEADER;
+}
+
+static struct arena_block **find_large(struct arena *a, const void *items)
+{
+    struct arena_block **at = &a->large;
+
+    while (*at && (char *)*at + HEADER != items)
+        at = &(*at)->before;
+    return at;
+}
+
 void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t size)
 {
+    size_t bytes;
+
     if (n < *room)
         return items;
     *room = *room ? *room * 2 : 8;
-    void *more = arena_array(a, *room, size);
+    if (__builtin_mul_overflow(*room, size, &bytes) || bytes > SIZE_MAX / 4)
+        fail(a);
+    if (bytes >= LARGE_ARRAY) {
+        struct arena_block **known = find_large(a, items);
+        return *known ? grow_large(a, known, bytes) : new_large(a, items, n * size, bytes);
+    }
+    void *more = arena_alloc(a, bytes);
     if (n)
         memcpy(more, items, n * size);
     return more;

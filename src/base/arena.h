@@ -17,6 +17,8 @@ struct budget {
 struct arena {
     struct budget *budget;              /* may be NULL: nothing is counted */
     struct arena_block *block;
+    struct arena_block *large;          /* arrays that grow, each in its own */
+    size_t n_large;
 };
 
 void arena_init(struct arena *a, struct budget *budget);
@@ -34,13 +36,13 @@ void arena_free(struct arena *a);                   /* everything; the arena may
  * used again. */
 struct arena_mark {
     struct arena_block *block;
-    size_t used;
+    size_t used, n_large;
 };
 struct arena_mark arena_mark(const struct arena *a);
 void arena_recycle(struct arena *a, struct arena_mark mark);
 
 /* Grows the array *items of *room items of the given size so that one more
- * fits behind n; the old copy stays in the arena until it ends. */
+ * fits behind n; the old copy of a small array stays in the arena until it ends. */
 void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t size);
 
 #endif
