@@ -59,11 +59,7 @@ static struct ray random_ray(double from, double to)
 
 static struct object *new_object(enum object_kind kind)
 {
-    struct object *o = arena_alloc(&mem, sizeof *o);
-
-    o->kind = kind;
-    o->place = &transform_identity;
-    return o;
+    return object_new(&mem, kind);
 }
 
 /* value: numbers for the arguments in order; a point takes three. */
@@ -99,7 +95,7 @@ static struct object *group(enum object_kind kind, struct object *const child[],
     struct object *o = new_object(kind);
 
     o->child = arena_copy(&mem, child, n * sizeof *child);
-    o->n_child = n;
+    o->n_child = (uint32_t)n;
     return o;
 }
 
@@ -1027,8 +1023,9 @@ START_TEST(test_clipping_leaves_a_shell_without_a_cap)
     struct object *o = sphere(vec(0, 0, 0), 1);
     const struct object *half = SHAPE("plane", 0, 1, 0, 0);
 
-    o->clip = &half;
-    o->n_clip = 1;
+    struct object_more *more = object_more(&mem, o);
+    more->clip = &half;
+    more->n_clip = 1;
     ck_assert_int_eq(crossings_of(o, (struct ray) { vec(.1, 5, .1), vec(0, -1, 0) }), 1);
     ck_assert_int_eq(crossings_of(o, (struct ray) { vec(-5, -.5, .1), vec(1, 0, 0) }), 2);
     ck_assert_int_eq(crossings_of(o, (struct ray) { vec(-5, .5, .1), vec(1, 0, 0) }), 0);

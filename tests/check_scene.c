@@ -81,23 +81,24 @@ static const struct shape_ops ball_ops = {
 
 static struct object *ball_at(vec3 centre)
 {
-    struct object *o = arena_alloc(&mem, sizeof *o);
+    struct object *o = object_new(&mem, OBJECT_SHAPE);
     const struct transform place = transform_translate(centre);
 
-    *o = (struct object) { .kind = OBJECT_SHAPE, .ops = &ball_ops, .shape = &unit_ball,
-                           .place = arena_copy(&mem, &place, sizeof place) };
+    o->ops = &ball_ops;
+    o->shape = &unit_ball;
+    o->place = arena_copy(&mem, &place, sizeof place);
     return o;
 }
 
 static struct object *combined(enum object_kind kind, struct object *a, struct object *b)
 {
-    struct object *o = arena_alloc(&mem, sizeof *o);
+    struct object *o = object_new(&mem, kind);
     const struct object **child = arena_array(&mem, 2, sizeof *child);
 
     child[0] = a;
     child[1] = b;
-    *o = (struct object) { .kind = kind, .child = child, .n_child = 2,
-                           .place = &transform_identity };
+    o->child = child;
+    o->n_child = 2;
     return o;
 }
 
@@ -235,8 +236,9 @@ START_TEST(test_a_clip_takes_its_outside_away)
     struct object *o = ball_at(vec(0, 0, 0));
     const struct object *clip[] = { ball_at(vec(0.8, 0, 0)) };
 
-    o->clip = clip;
-    o->n_clip = 1;
+    struct object_more *more = object_more(&mem, o);
+    more->clip = clip;
+    more->n_clip = 1;
     ck_assert(!object_inside(o, vec(-0.5, 0, 0)));
     ck_assert(object_inside(o, vec(0.5, 0, 0)));
 }
@@ -313,7 +315,8 @@ START_TEST(test_lights_in_unions_come_into_the_world_where_they_stand)
 {
     struct light lamp = light_default;
     const struct transform aside = transform_translate(vec(1, 0, 0));
-    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &aside };
+    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &aside,
+                            .more = &object_no_more };
     struct object *o = combined(OBJECT_UNION, ball_at(vec(0, 0, 0)), &light);
     struct transform t = transform_translate(vec(0, 5, 0));
     struct scene s;
@@ -332,7 +335,8 @@ START_TEST(test_what_a_light_looks_like_moves_with_it)
     struct light lamp = light_default;
     lamp.looks_like = ball_at(vec(0, 0, 0));
     const struct transform away = transform_translate(vec(0, 0, 9));
-    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &away };
+    struct object light = { .kind = OBJECT_LIGHT, .light = &lamp, .place = &away,
+                            .more = &object_no_more };
     struct scene s;
 
     scene_init(&s, &mem);

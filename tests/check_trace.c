@@ -349,12 +349,13 @@ static struct object *shape_object(const char *name, struct transform place,
 {
     const struct shape_ops *ops = shape_find(name);
     void *shape = arena_copy(&mem, ops->defaults, ops->size);
-    struct object *o = arena_alloc(&mem, sizeof *o);
+    struct object *o = object_new(&mem, OBJECT_SHAPE);
 
     ck_assert_ptr_null(ops->prepare(shape, &mem));
-    *o = (struct object) { .kind = OBJECT_SHAPE, .ops = ops, .shape = shape,
-                           .place = arena_copy(&mem, &place, sizeof place),
-                           .texture = texture };
+    o->ops = ops;
+    o->shape = shape;
+    o->place = arena_copy(&mem, &place, sizeof place);
+    o->texture = texture;
     return o;
 }
 
@@ -389,7 +390,7 @@ static void build_scene(struct scene *s)
         struct object *o = shape_object("sphere", transform_compose(&move, &size),
                                         texture_with(c, i % 2 ? shiny : finish_default));
         if (i % 3 == 0)
-            o->interior = arena_copy(&mem, &glass, sizeof glass);
+            object_more(&mem, o)->interior = arena_copy(&mem, &glass, sizeof glass);
         scene_add(s, o);
     }
 }

@@ -8,6 +8,7 @@ struct children {
     struct object *of;
     const struct object **child;
     size_t n, room;
+    unsigned depth;                     /* of what they are in */
     bool ended;                         /* a modifier came: no more objects */
     bool is_group;
 };
@@ -28,9 +29,9 @@ static void count_depth(struct children *c, const struct object *child, struct l
 {
     struct lang *l = c->lang;
 
-    if (child->depth >= c->of->depth)
-        c->of->depth = child->depth + 1;
-    if (c->of->depth > l->limits->csg_depth)
+    if (child->more->depth >= c->depth)
+        c->depth = child->more->depth + 1;
+    if (c->depth > l->limits->csg_depth)
         lang_limit(l, at, "objects are nested more than %u deep (--max-csg-depth=N would let them)",
                    l->limits->csg_depth);
 }
@@ -60,7 +61,8 @@ static void take_all(struct reader *r, struct children *c)
         take_child(r, &i, c);
     }
     c->of->child = arena_copy(r->lang->scene_mem, c->child, c->n * sizeof *c->child);
-    c->of->n_child = c->n;
+    c->of->n_child = (uint32_t)c->n;
+    object_more(r->lang->scene_mem, c->of)->depth = c->depth;
 }
 
 static bool is_misplaced(struct reader *r, const struct item *i, void *arg)

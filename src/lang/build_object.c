@@ -6,10 +6,8 @@
 
 struct object *object_start(struct lang *l, enum object_kind kind, struct loc at)
 {
-    struct object *o = arena_alloc(l->scene_mem, sizeof *o);
+    struct object *o = object_new(l->scene_mem, kind);
 
-    o->kind = kind;
-    o->place = &transform_identity;
     o->at = at;
     return o;
 }
@@ -96,8 +94,8 @@ static bool is_among(const char *word, const char *const *list)
 
 static const char *shape_word(const struct object *o, const struct item *block)
 {
-    if (o->unsupported)
-        return o->unsupported;
+    if (o->more->unsupported)
+        return o->more->unsupported;
     return o->kind == OBJECT_SHAPE ? o->ops->name : o->kind == OBJECT_MESH ? "mesh" : block->text;
 }
 
@@ -114,7 +112,7 @@ static bool is_for(const struct object *o, const struct item *block, const char 
     if (strcmp(word, "hierarchy") == 0)
         return is_among(shape_word(o, block), hierarchy);
     if (strcmp(word, "split_union") == 0)
-        return o->kind == OBJECT_UNION && !o->unsupported;
+        return o->kind == OBJECT_UNION && !o->more->unsupported;
     if (strcmp(word, "cutaway_textures") == 0)
         return is_csg;
     return true;
@@ -122,8 +120,8 @@ static bool is_for(const struct object *o, const struct item *block, const char 
 
 static void set_flag(struct object *o, unsigned flag, bool on)
 {
-    o->flags_given |= flag;
-    o->flags = on ? o->flags | flag : o->flags & ~flag;
+    o->flags_given |= (uint16_t)flag;
+    o->flags = (uint16_t)(on ? o->flags | flag : o->flags & ~flag);
 }
 
 static void invert(struct reader *r, struct object *o, struct loc at)
@@ -215,20 +213,29 @@ static void read_cut(struct lang *l, struct object *o, const struct item *i)
 {
     bool clips = item_is(i, "clipped_by");
     const char *other = clips ? "bounded_by" : "clipped_by";
+    struct object_more *more = object_more(l->scene_mem, o);
     size_t n;
 
     if (links_to(l, i, other)) {
         if (clips)
-            append(l, &o->clip, &o->n_clip, o->bound, o->n_bound);
+            append(l, &more->clip, &more->n_clip, more->bound, more->n_bound);
         else
-            append(l, &o->bound, &o->n_bound, o->clip, o->n_clip);
+            append(l, &more->bound, &more->n_bound, more->clip, more->n_clip);
         return;
     }
     const struct object **list = read_list(l, i, &n);
     if (clips)
-        append(l, &o->clip, &o->n_clip, list, n);
+        append(l, &more->clip, &more->n_clip, list, n);
     else
-        append(l, &o->bound, &o->n_bound, list, n);
+        append(l, &more->bound, &more->n_bound, list, n);
+}
+
+static void add_interior_texture(struct lang *l, struct object *o, const struct item *i,
+                                 const struct texture *t)
+{
+    struct object_more *more = object_more(l->scene_mem, o);
+
+    more->interior_texture = texture_over(l, i->at, more->interior_texture, t);
 }
 
 static void take_material(struct reader *r, struct object *o, const struct item *i)
@@ -241,9 +248,9 @@ static void take_material(struct reader *r, struct object *o, const struct item 
     if (m->texture)
         o->texture = texture_over(l, i->at, o->texture, m->texture);
     if (m->interior_texture)
-        o->interior_texture = texture_over(l, i->at, o->interior_texture, m->interior_texture);
+        add_interior_texture(l, o, i, m->interior_texture);
     if (m->interior)
-        o->interior = m->interior;
+        object_more(l->scene_mem, o)->interior = m->interior;
 }
 
 /* Read in full; it only matters when photons or radiosity are there. */
@@ -286,9 +293,9 @@ static bool read_block(struct reader *r, struct object *o, const struct item *i)
     if (item_is(i, "texture"))
         o->texture = texture_over(l, i->at, o->texture, build_texture(l, i));
     else if (item_is(i, "interior_texture"))
-        o->interior_texture = texture_over(l, i->at, o->interior_texture, build_texture(l, i));
+        add_interior_texture(l, o, i, build_texture(l, i));
     else if (item_is(i, "interior"))
-        o->interior = build_interior(l, i, o->interior);
+        object_more(l->scene_mem, o)->interior = build_interior(l, i, o->more->interior);
     else if (item_is(i, "material"))
         take_material(r, o, i);
     else if (item_is(i, "bounded_by") || item_is(i, "clipped_by"))
@@ -378,12 +385,12 @@ void build_modifiers(struct reader *r, struct object *o, const struct item *bloc
 
 void object_close(struct lang *l, struct object *o, const struct item *block)
 {
-    if (o->interior_texture && !o->texture)
+    if (o->more->interior_texture && !o->texture)
         build_wrong(l, block, "interior_texture needs a texture too");
-    bool can_bound = o->kind != OBJECT_SHAPE || o->shape;
-    if (!o->has_box && can_bound) {
-        o->box = object_bounds(o);
-        o->has_box = true;
+    if (o->n_child && !o->more->has_box) {
+        struct object_more *more = object_more(l->scene_mem, o);
+        more->box = object_inner_bounds(o);
+        more->has_box = true;
     }
 }
 

@@ -197,16 +197,16 @@ static void report_object(struct lang *l, const struct object *o)
     struct build *b = l->build;
 
     b->has_light |= o->kind == OBJECT_LIGHT;
-    if (o->unsupported)
-        diag_unsupported(l->diag, o->at, o->unsupported);
+    if (o->more->unsupported)
+        diag_unsupported(l->diag, o->at, o->more->unsupported);
     if (o->texture && o->texture != b->reported)
         report_texture(l, o->at, o->texture);
     if (o->texture)
         b->reported = o->texture;
-    if (o->interior_texture)
-        report_texture(l, o->at, o->interior_texture);
-    if (o->interior)
-        report_interior(l, o->at, o->interior);
+    if (o->more->interior_texture)
+        report_texture(l, o->at, o->more->interior_texture);
+    if (o->more->interior)
+        report_interior(l, o->at, o->more->interior);
     if (o->kind == OBJECT_LIGHT && o->light->projected_through)
         diag_unsupported(l->diag, o->at, "projected_through");
     if (o->kind == OBJECT_LIGHT && o->light->looks_like)

@@ -56,7 +56,6 @@ static void prepare(struct lang *l, struct object *o, const struct item *block, 
     o->kind = OBJECT_UNION;             /* of nothing */
     o->ops = NULL;
     o->shape = NULL;
-    o->box = BOUNDS_EMPTY;
 }
 
 struct object *build_plain_shape(struct lang *l, struct reader *r, const struct item *block,
@@ -71,10 +70,7 @@ struct object *build_plain_shape(struct lang *l, struct reader *r, const struct 
     read_header(r, ops, self);
     build_modifiers(r, o, block, read_shape_word, &body, tables);
     prepare(l, o, block, self, l->diag->errors != errors);
-    if (o->ops) {
+    if (o->ops)
         o->shape = self;
-        o->box = object_bounds(o);
-    }
-    o->has_box = true;
     return o;
 }

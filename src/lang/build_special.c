@@ -9,8 +9,8 @@ static struct object *nothing(struct lang *l, const struct item *block)
 {
     struct object *o = object_start(l, OBJECT_UNION, block->at);
 
-    o->unsupported = arena_text(l->scene_mem, block->text, strlen(block->text));
-    o->reach = BOUNDS_EMPTY;
+    object_more(l->scene_mem, o)->unsupported = arena_text(l->scene_mem, block->text,
+                                                           strlen(block->text));
     return o;
 }
 
@@ -77,10 +77,16 @@ static struct points read_points(struct reader *r, const char *what, int compone
     return p;
 }
 
+/* Of a named nothing, whose more is its own. */
+static struct bounds *reach_of(struct object *o)
+{
+    return &((struct object_more *)o->more)->reach;
+}
+
 /* So that max_extent is right before the shape can be drawn. */
 static void reach_to(struct object *o, vec3 p, double radius)
 {
-    o->reach = bounds_join(o->reach, (struct bounds) {
+    *reach_of(o) = bounds_join(*reach_of(o), (struct bounds) {
         { p.x - radius, p.y - radius, p.z - radius }, { p.x + radius, p.y + radius, p.z + radius } });
 }
 
@@ -89,7 +95,7 @@ static void reach_around(struct object *o, const struct points *p)
 {
     for (size_t i = 0; i < p->n; i++) {
         double r = fabs(p->v[i][0]), y = p->v[i][1];
-        o->reach = bounds_join(o->reach, (struct bounds) { { -r, y, -r }, { r, y, r } });
+        *reach_of(o) = bounds_join(*reach_of(o), (struct bounds) { { -r, y, -r }, { r, y, r } });
     }
 }
 
@@ -265,7 +271,7 @@ static bool is_blob_look(const struct item *i)
 
 static void read_component(struct lang *l, const struct item *block)
 {
-    struct object spare = { .kind = OBJECT_UNION, .place = &transform_identity };
+    struct object spare = { .kind = OBJECT_UNION, .place = &transform_identity, .more = &object_no_more };
     struct transform t;
     struct reader r;
 
@@ -465,7 +471,7 @@ static struct object *make_height_field(struct lang *l, struct reader *r, const 
 {
     struct object *o = nothing(l, block);
 
-    o->reach = (struct bounds) { { 0, 0, 0 }, { 1, 1, 1 } };
+    *reach_of(o) = (struct bounds) { { 0, 0, 0 }, { 1, 1, 1 } };
     read_field_source(r);
     build_modifiers(r, o, block, read_field_item, NULL, NULL);
     return o;

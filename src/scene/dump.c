@@ -358,9 +358,9 @@ static void dump_object(const struct printer *p, const struct object *o)
     dump_place(&in, o->place);
     dump_flags(&in, o->flags);
     dump_texture(&in, "texture", o->texture);
-    dump_texture(&in, "interior_texture", o->interior_texture);
-    dump_interior(&in, o->interior);
-    dump_list(&in, "clipped_by", o->clip, o->n_clip);
+    dump_texture(&in, "interior_texture", o->more->interior_texture);
+    dump_interior(&in, o->more->interior);
+    dump_list(&in, "clipped_by", o->more->clip, o->more->n_clip);
     line(p, "}");
 }
 

@@ -3,12 +3,38 @@
 
 #include "scene/light.h"
 
+const struct object_more object_no_more = { .box = BOUNDS_ALL, .reach = BOUNDS_EMPTY };
+
+static struct object *room_for_one(struct arena *mem)
+{
+    return arena_alloc_aligned(mem, sizeof(struct object), _Alignof(struct object));
+}
+
+struct object *object_new(struct arena *mem, enum object_kind kind)
+{
+    struct object *o = room_for_one(mem);
+
+    o->kind = (uint8_t)kind;
+    o->place = &transform_identity;
+    o->more = &object_no_more;
+    return o;
+}
+
 struct object *object_copy(struct arena *mem, const struct object *o)
 {
-    struct object *copy = arena_copy(mem, o, sizeof *o);
+    struct object *copy = room_for_one(mem);
 
-    copy->own_place = false;
+    *copy = *o;
+    copy->own_place = copy->own_more = false;
     return copy;
+}
+
+struct object_more *object_more(struct arena *mem, struct object *o)
+{
+    if (!o->own_more)
+        o->more = arena_copy(mem, o->more, sizeof *o->more);
+    o->own_more = true;
+    return (struct object_more *)o->more;
 }
 
 /* --- moving ---------------------------------------------------------------- */
@@ -39,22 +65,28 @@ static void move_place(struct arena *mem, struct object *o, const struct transfo
     o->own_place = true;
 }
 
+static void move_more(struct arena *mem, struct object *o, const struct transform *t)
+{
+    struct object_more *m = object_more(mem, o);
+    bool linked = m->clip == m->bound;
+
+    if (!(o->flags & OBJECT_UV_MAPPING))
+        m->interior_texture = texture_move(mem, m->interior_texture, t);
+    if (m->n_clip > 0)
+        m->clip = moved_list(mem, m->clip, m->n_clip, t);
+    if (m->n_bound > 0)
+        m->bound = linked ? m->clip : moved_list(mem, m->bound, m->n_bound, t);
+}
+
 void object_move(struct arena *mem, struct object *o, const struct transform *t)
 {
     if (t->is_identity)
         return;
     move_place(mem, o, t);
-    if (!(o->flags & OBJECT_UV_MAPPING)) {      /* such textures live in (u, v) */
+    if (!(o->flags & OBJECT_UV_MAPPING))        /* such textures live in (u, v) */
         o->texture = texture_move(mem, o->texture, t);
-        o->interior_texture = texture_move(mem, o->interior_texture, t);
-    }
-    bool linked = o->clip == o->bound;
-    if (o->n_clip > 0)
-        o->clip = moved_list(mem, o->clip, o->n_clip, t);
-    if (o->n_bound > 0)
-        o->bound = linked ? o->clip : moved_list(mem, o->bound, o->n_bound, t);
-    if (o->has_box)
-        o->box = bounds_move(&o->box, t);
+    if (o->more->interior_texture || o->more->n_clip || o->more->n_bound)
+        move_more(mem, o, t);
 }
 
 /* --- bounds ---------------------------------------------------------------- */
@@ -134,8 +166,8 @@ static struct bounds surface_bounds(const struct object *o, const struct transfo
 {
     struct bounds b = BOUNDS_EMPTY;
 
-    if (o->unsupported)
-        return bounds_move(&o->reach, place);
+    if (o->more->unsupported)
+        return bounds_move(&o->more->reach, place);
     switch (o->kind) {
     case OBJECT_SHAPE:
         b = o->ops->bounds ? o->ops->bounds(o->shape) : BOUNDS_ALL;
@@ -169,8 +201,13 @@ static struct bounds bounds_under(const struct object *o, const struct transform
     struct transform place = transform_compose(outer, o->place);
     struct bounds b = surface_bounds(o, &place);
 
-    b = cut_by(b, o->clip, o->n_clip, outer);
-    return cut_by(b, o->bound, o->n_bound, outer);
+    b = cut_by(b, o->more->clip, o->more->n_clip, outer);
+    return cut_by(b, o->more->bound, o->more->n_bound, outer);
+}
+
+struct bounds object_inner_bounds(const struct object *o)
+{
+    return surface_bounds(o, &transform_identity);
 }
 
 struct bounds object_bounds(const struct object *o)
@@ -262,8 +299,8 @@ static bool inside_inner(const struct object *o, vec3 p)
 /* Clips come first: outside of one is outside, inverse or not. */
 bool object_inside(const struct object *o, vec3 p)
 {
-    for (size_t i = 0; i < o->n_clip; i++)
-        if (!object_inside(o->clip[i], p))
+    for (size_t i = 0; i < o->more->n_clip; i++)
+        if (!object_inside(o->more->clip[i], p))
             return false;
     bool is_patch = (o->kind == OBJECT_SHAPE && !o->ops->inside) || o->kind == OBJECT_LIGHT;
     bool inverse = (o->flags & OBJECT_INVERSE) != 0 && !is_patch;

@@ -56,38 +56,52 @@ struct mesh {
 };
 #define MESH_NONE UINT32_MAX
 
-/* A node of what the user wrote.  Everything in it is in the node's outer
- * space (its parent's) except the shape and the children, which are in its
- * inner one: transforms given after a texture move the texture too, by
- * composing with its place; those before do not. */
-struct object {
-    enum object_kind kind;
-    unsigned flags;                     /* enum object_flag */
-    unsigned flags_given;               /* said by this node itself; the others come from the parent */
-    const struct shape_ops *ops;
-    const void *shape;
-    const struct mesh *mesh;
-    const struct light *light;          /* OBJECT_LIGHT */
-    const struct object **child;
-    size_t n_child;
-    unsigned depth;                     /* of the children in each other: 0 of a shape */
-    const struct transform *place;      /* outer from inner; never NULL */
-    const struct texture *texture;      /* bottom layer; NULL: the parent's */
+/* What few nodes have; in the node's outer space but for box and reach. */
+struct object_more {
     const struct texture *interior_texture;
     const struct interior *interior;    /* NULL: the parent's */
-    const struct object **clip;         /* clipped_by, in outer space */
+    const struct object **clip;         /* clipped_by */
     size_t n_clip;
-    const struct object **bound;        /* bounded_by, in outer space */
+    const struct object **bound;        /* bounded_by */
     size_t n_bound;
-    struct loc at;                      /* for messages and dumps */
-    const char *name;                   /* it was declared under, or NULL */
-    struct bounds box;                  /* holds the whole node, in outer space; perhaps not tightly */
-    bool has_box;
-    bool own_place;                     /* place belongs to this node alone */
-    bool keep_whole;                    /* split_union off */
     const char *unsupported;            /* a shape that cannot be rendered yet: an empty union, named */
     struct bounds reach;                /* of such a shape, in inner space */
+    struct bounds box;                  /* holds all children, in inner space; perhaps not tightly */
+    bool has_box;
+    unsigned depth;                     /* of the children in each other: 0 of a shape */
 };
+
+/* A node of what the user wrote; there may be millions.  Everything in it is in
+ * the node's outer space (its parent's) except the shape and the children, which
+ * are in its inner one: transforms given after a texture move the texture too, by
+ * composing with its place; those before do not. */
+struct object {
+    uint8_t kind;                       /* enum object_kind */
+    bool own_place, own_more;           /* place, more belong to this node alone */
+    bool keep_whole;                    /* split_union off */
+    uint16_t flags;                     /* enum object_flag */
+    uint16_t flags_given;               /* said by this node itself; the others come from the parent */
+    struct loc at;                      /* for messages and dumps */
+    uint32_t n_child;                   /* 0: of what has no children, too */
+    const struct shape_ops *ops;
+    union {
+        const void *shape;              /* OBJECT_SHAPE */
+        const struct mesh *mesh;        /* OBJECT_MESH */
+        const struct light *light;      /* OBJECT_LIGHT */
+        const struct object **child;    /* of the others */
+    };
+    const struct transform *place;      /* outer from inner; never NULL */
+    const struct texture *texture;      /* bottom layer; NULL: the parent's */
+    const struct object_more *more;     /* never NULL */
+    const char *name;                   /* it was declared under, or NULL */
+};
+
+extern const struct object_more object_no_more;
+
+struct object *object_new(struct arena *mem, enum object_kind kind);
+
+/* What few nodes have, to be written to. */
+struct object_more *object_more(struct arena *mem, struct object *o);
 
 /* A node that may be changed freely, sharing all that it points to. */
 struct object *object_copy(struct arena *mem, const struct object *o);
@@ -99,6 +113,7 @@ const struct texture *texture_move(struct arena *mem, const struct texture *laye
 
 /* In the node's outer space; used by min_extent, max_extent and the plan. */
 struct bounds object_bounds(const struct object *o);
+struct bounds object_inner_bounds(const struct object *o);      /* of its shape or children, in inner space */
 struct bounds bounds_move(const struct bounds *b, const struct transform *t);
 bool object_inside(const struct object *o, vec3 p);     /* p in outer space */
 bool object_is_solid(const struct object *o);           /* all of it has an inside */

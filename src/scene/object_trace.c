@@ -41,8 +41,9 @@ static bool visible(const struct step *s, vec3 world, vec3 *inner, bool *flipped
         if (s->outer->object->kind == OBJECT_DIFFERENCE && s->child > 0)
             *flipped = !*flipped;
     }
-    for (size_t i = 0; i < s->object->n_clip; i++)
-        if (!object_inside(s->object->clip[i], p))
+    const struct object_more *more = s->object->more;
+    for (size_t i = 0; i < more->n_clip; i++)
+        if (!object_inside(more->clip[i], p))
             return false;
     if (s->object->flags & OBJECT_INVERSE)
         *flipped = !*flipped;
@@ -141,10 +142,11 @@ static void try_object(struct search *f, const struct step *s, const struct tran
 {
     const struct object *o = s->object;
     struct transform place = transform_compose(outer, o->place);
-
-    if (o->has_box && !reaches(&o->box, ray, f->nearest))
-        return;
     struct ray r = inner_ray(ray, o->place);
+    struct bounds box = o->n_child ? o->more->box : object_inner_bounds(o);
+
+    if (!reaches(&box, r, f->nearest))
+        return;
     if (o->kind == OBJECT_SHAPE)
         try_shape(f, s, &place);
     else if (o->kind == OBJECT_MESH)

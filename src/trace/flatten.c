@@ -143,15 +143,15 @@ static struct context within(struct builder *b, const struct context *outer, con
         c.look.uv_mapping = (o->flags & OBJECT_UV_MAPPING) != 0;
         c.is_inherited = false;
     }
-    if (o->interior_texture) {
-        c.look.interior_texture = o->interior_texture;
+    if (o->more->interior_texture) {
+        c.look.interior_texture = o->more->interior_texture;
         c.interior_texture_place = transform_of(outer->placement);
     }
-    if (o->interior) {
-        c.look.interior = o->interior;
+    if (o->more->interior) {
+        c.look.interior = o->more->interior;
         c.look.solid = o;
     }
-    b->n_bound += o->n_bound > 0 && o->kind != OBJECT_SHAPE && o->kind != OBJECT_MESH;
+    b->n_bound += o->more->n_bound > 0 && o->kind != OBJECT_SHAPE && o->kind != OBJECT_MESH;
     b->n_cutaway += (o->flags & OBJECT_CUTAWAY_TEXTURES) != 0;
     return c;
 }
@@ -364,20 +364,22 @@ static struct bounds csg_clipped(struct csg_builder *c, const struct object *o,
 {
     uint32_t node = add_node(c, parent, CSG_INTERSECTION);
     struct object bare = *o;
+    struct object_more bare_more = *o->more;
     struct context clip = *outer;
 
-    bare.n_clip = 0;
+    bare_more.n_clip = 0;
+    bare.more = &bare_more;
     clip.inverse = false;
     struct bounds all = csg_object(c, &bare, outer, node, is_silent);
-    for (size_t i = 0; i < o->n_clip; i++)
-        all = bounds_meet(all, csg_object(c, o->clip[i], &clip, node, true));
+    for (size_t i = 0; i < o->more->n_clip; i++)
+        all = bounds_meet(all, csg_object(c, o->more->clip[i], &clip, node, true));
     return all;
 }
 
 static struct bounds csg_object(struct csg_builder *c, const struct object *o,
                                 const struct context *outer, uint32_t parent, bool is_silent)
 {
-    if (o->n_clip)
+    if (o->more->n_clip)
         return csg_clipped(c, o, outer, parent, is_silent);
     struct context in = within(c->b, outer, o);
     if (o->kind == OBJECT_SHAPE || o->kind == OBJECT_MESH)
@@ -499,7 +501,7 @@ static bool add_instance(struct builder *b, const struct object *o, const struct
 
 static bool is_csg(const struct object *o)
 {
-    return o->n_clip > 0 || o->kind == OBJECT_INTERSECTION || o->kind == OBJECT_DIFFERENCE
+    return o->more->n_clip > 0 || o->kind == OBJECT_INTERSECTION || o->kind == OBJECT_DIFFERENCE
            || o->kind == OBJECT_MERGE;
 }
 

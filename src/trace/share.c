@@ -42,10 +42,10 @@ static void absorb(struct shared *to, const struct shared *from)
 /* What o says itself need not come from above. */
 static void cover(struct shared *sum, const struct object *o)
 {
-    sum->has_look |= o->texture || o->interior || o->interior_texture;
+    sum->has_look |= o->texture || o->more->interior || o->more->interior_texture;
     sum->lacks_texture &= !o->texture;
-    sum->lacks_interior &= !o->interior;
-    sum->lacks_interior_texture &= !o->interior_texture;
+    sum->lacks_interior &= !o->more->interior;
+    sum->lacks_interior_texture &= !o->more->interior_texture;
 }
 
 static struct shared look_at(struct share *s, const struct object *o);
