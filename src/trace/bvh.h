@@ -35,9 +35,11 @@ struct bvh {
 enum { BVH_STACK = 384 };               /* see MOST_DEPTH in bvh.c */
 
 /* The tree over n boxes, none of them empty or infinite.  The same for any
- * number of threads.  leaf_size: the most items in a leaf, 8 at most. */
+ * number of threads.  leaf_size: the most items in a leaf, 8 at most; enough:
+ * as many are not divided even where nodes have slots left. */
 void bvh_build(struct bvh *b, size_t n, struct bounds (*box)(const void *of, size_t i),
-               const void *of, unsigned leaf_size, unsigned threads, struct arena *mem);
+               const void *of, unsigned leaf_size, unsigned enough, unsigned threads,
+               struct arena *mem);
 
 /* Gives the items balls that hold them, in their order in the tree; those of
  * which ball says false have none.  Spheres far from the ray are then passed
@@ -167,34 +169,35 @@ INLINE bool bvh_descend(const struct bvh_node *n, const struct bvh_ray *r, float
     return true;
 }
 
-/* Calls visit(arg, item, bits, &far) for the leaves on the way, about nearest
- * first: bit i means item[i].  visit may shorten far, and ends the walk by
- * returning true.  Leaves wholly beyond far are left out. */
-INLINE bool bvh_walk(const struct bvh *b, struct ray ray, double near, double far,
-                     bool (*visit)(void *arg, const uint32_t item[], uint32_t bits, double *far),
-                     void *arg, unsigned long long *box_tests)
+/* What bvh_walk asks and calls.  sift: which of count items from first on the
+ * ray may meet before limit, a tree t; bit i means first + i.  visit is told
+ * the same bits, may shorten far, and ends the walk by returning true. */
+struct bvh_visitor {
+    uint32_t (*sift)(void *arg, const struct bvh_ray *r, uint32_t first, uint32_t count, float limit);
+    bool (*visit)(void *arg, const uint32_t item[], uint32_t bits, double *far);
+};
+
+/* For the leaves on the way, about nearest first.  Leaves wholly beyond far
+ * are left out.  r: the ray, aimed. */
+INLINE bool bvh_walk_aimed(const struct bvh *b, const struct bvh_ray *r, double far,
+                           struct bvh_visitor v, void *arg, unsigned long long *box_tests)
 {
-    struct bvh_ray r;
     struct bvh_entry stack[BVH_STACK], e = { 0, 0, 0 };
     int top = 0;
+    float limit = bvh_far(r, far);
 
-    if (!b->n_node || !bvh_aim(b, ray, near, far, &r))
-        return false;
-    float limit = bvh_far(&r, far);
     for (;;) {
         if (e.count == 0) {
             *box_tests += LANES;
-            if (bvh_descend(&b->node[e.child], &r, limit, stack, &top, &e))
+            if (bvh_descend(&b->node[e.child], r, limit, stack, &top, &e))
                 continue;
         } else {
             double before = far;
-            uint32_t bits = (1u << e.count) - 1;
-            if (b->ball[0])
-                bits &= bvh_test_balls(b, &r, e.child, limit);
-            if (bits && visit(arg, b->item + e.child, bits, &far))
+            uint32_t bits = v.sift(arg, r, e.child, e.count, limit);
+            if (bits && v.visit(arg, b->item + e.child, bits, &far))
                 return true;
             if (far != before)
-                limit = bvh_far(&r, far);
+                limit = bvh_far(r, far);
         }
         do {
             if (top == 0)
@@ -202,6 +205,41 @@ INLINE bool bvh_walk(const struct bvh *b, struct ray ray, double near, double fa
             e = stack[--top];
         } while (e.near > limit);
     }
+}
+
+struct bvh_ball_walk {
+    const struct bvh *tree;
+    bool (*visit)(void *arg, const uint32_t item[], uint32_t bits, double *far);
+    void *arg;
+};
+
+INLINE uint32_t bvh_sift_balls(void *arg, const struct bvh_ray *r, uint32_t first, uint32_t count,
+                               float limit)
+{
+    const struct bvh *b = ((const struct bvh_ball_walk *)arg)->tree;
+    uint32_t bits = (1u << count) - 1;
+
+    return b->ball[0] ? bits & bvh_test_balls(b, r, first, limit) : bits;
+}
+
+INLINE bool bvh_visit_ball(void *arg, const uint32_t item[], uint32_t bits, double *far)
+{
+    const struct bvh_ball_walk *w = arg;
+
+    return w->visit(w->arg, item, bits, far);
+}
+
+/* The same for visit alone: all items of a leaf whose balls may be met. */
+INLINE bool bvh_walk(const struct bvh *b, struct ray ray, double near, double far,
+                     bool (*visit)(void *arg, const uint32_t item[], uint32_t bits, double *far),
+                     void *arg, unsigned long long *box_tests)
+{
+    struct bvh_ball_walk w = { b, visit, arg };
+    struct bvh_ray r;
+
+    return b->n_node && bvh_aim(b, ray, near, far, &r)
+           && bvh_walk_aimed(b, &r, far, (struct bvh_visitor) { bvh_sift_balls, bvh_visit_ball },
+                             &w, box_tests);
 }
 
 #endif

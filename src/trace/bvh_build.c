@@ -19,6 +19,7 @@ enum {
     SPLIT_BY_COUNT = 16,        /* levels after which ranges are halved, so that depth is bounded: */
     MOST_DEPTH = 2 * (16 + 11), /* below and above cells; 2^32 items halved three times a level; 7 * this < BVH_STACK */
     CELL = 1024,                /* items that lie together */
+    FULL_LEAVES = 6,            /* a node's, when as many as can be are leaves of one */
     UNDIVIDED = 4096,           /* as many are quick enough to divide without cells */
     PART = 4096,                /* items that make a job of their own */
 };
@@ -34,22 +35,18 @@ struct source {
 struct builder {
     struct arena *mem;
     struct ref *ref, *spare;
-    unsigned leaf_size;
+    unsigned leaf_size, enough;
     uint32_t offset;
     struct bvh_node *node;
     size_t n_node, room;
 };
 
-/* What is split first: ranges that are more than a leaf, and of these the
- * largest; or the fullest, when all may become leaves of one node.  Then
- * leaves, the largest first, as slots would be empty otherwise. */
-static float urgency(const struct range *r, unsigned leaf_size, bool by_number)
+/* What is split first: the largest or the fullest. */
+static float urgency(const struct range *r, uint32_t enough, bool by_number)
 {
-    if (r->n < 2)
+    if (r->n <= enough)
         return -1;
-    if (r->n <= leaf_size)
-        return box_area(&r->box);
-    return 1e6f + (by_number ? (float)r->n : box_area(&r->box));
+    return by_number ? (float)r->n : box_area(&r->box);
 }
 
 static int worth_splitting(const float urgency[], int n)
@@ -62,23 +59,38 @@ static int worth_splitting(const float urgency[], int n)
     return urgency[best] < 0 ? -1 : best;
 }
 
-static int children(struct builder *b, const struct range *whole, int depth, struct range r[LANES])
+/* Splits the n ranges until there are eight or each has enough or less;
+ * returns how many there are. */
+static int divide(struct builder *b, int depth, uint32_t enough, bool by_number, struct range r[LANES], int n)
 {
-    bool by_number = whole->n <= LANES * b->leaf_size;
-    float urgent[LANES] = { urgency(whole, b->leaf_size, by_number) };
-    int n = 1, i;
+    float urgent[LANES];
+    int i;
 
-    r[0] = *whole;
+    for (i = 0; i < n; i++)
+        urgent[i] = urgency(&r[i], enough, by_number);
     while (n < LANES && (i = worth_splitting(urgent, n)) >= 0) {
         struct range half[2];
         range_split(&r[i], b->ref, b->spare, depth >= SPLIT_BY_COUNT, half);
         r[i] = half[0];
         r[n] = half[1];
-        urgent[i] = urgency(&r[i], b->leaf_size, by_number);
-        urgent[n] = urgency(&r[n], b->leaf_size, by_number);
+        urgent[i] = urgency(&r[i], enough, by_number);
+        urgent[n] = urgency(&r[n], enough, by_number);
         n++;
     }
     return n;
+}
+
+/* In a node above leaves the fullest are split, so that all become leaves of
+ * it; slots that are left are put to use.  A range that would fill a node is
+ * left to one: half empty nodes are no quicker, and there would be twice as
+ * many. */
+static int children(struct builder *b, const struct range *whole, int depth, struct range r[LANES])
+{
+    r[0] = *whole;
+    if (whole->n > LANES * b->leaf_size)
+        return divide(b, depth, FULL_LEAVES * b->leaf_size, false, r, 1);
+    int n = divide(b, depth, b->leaf_size, true, r, 1);
+    return divide(b, depth, b->enough, false, r, n);
 }
 
 static void slot_box(struct bvh_node *n, int slot, const struct box *b)
@@ -162,7 +174,7 @@ struct part {
 struct parts {
     const struct source *source;
     uint32_t *item;
-    unsigned leaf_size;
+    unsigned leaf_size, enough;
     struct arena *mem;
     struct part *part;
     size_t n;
@@ -202,7 +214,8 @@ static void build_part(void *arg, size_t i, unsigned worker)
     (void)worker;
     arena_init(&p->mem, all->mem->budget);
     size_t most = most_in_a_cell(p);
-    p->builder = (struct builder) { .mem = &p->mem, .leaf_size = all->leaf_size };
+    p->builder = (struct builder) { .mem = &p->mem, .leaf_size = all->leaf_size,
+                                   .enough = all->enough };
     p->builder.ref = arena_array(&p->mem, 2 * most, sizeof *p->builder.ref);
     p->builder.spare = p->builder.ref + most;
     for (size_t k = 0; k < p->n; k++)
@@ -316,7 +329,7 @@ static void begin(struct bvh *tree, const struct source *s, struct arena *mem)
 }
 
 void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, size_t i),
-               const void *of, unsigned leaf_size, unsigned threads, struct arena *mem)
+               const void *of, unsigned leaf_size, unsigned enough, unsigned threads, struct arena *mem)
 {
     struct source source = { tree, box, of };
     struct arena scrap;
@@ -328,10 +341,10 @@ void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, 
     arena_init(&scrap, mem->budget);
     struct cells cells = { .mem = &scrap };
     cells_make(&cells, tree->item, (uint32_t)n, n > UNDIVIDED ? CELL : UNDIVIDED, middle_of, &source);
-    struct parts all = { &source, tree->item, leaf_size, &scrap, NULL, 0 };
+    struct parts all = { &source, tree->item, leaf_size, enough, &scrap, NULL, 0 };
     cut_into_parts(&all, &cells);
     jobs_run(threads, all.n, build_part, &all);
-    struct builder top = { .mem = &scrap, .leaf_size = 1 };
+    struct builder top = { .mem = &scrap, .leaf_size = 1, .enough = 1 };
     build_top(&top, &all, cells.n);
     assemble(tree, &top, &all, mem);
     join_cells(tree, &top, &all, leaf_size);

@@ -661,7 +661,7 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
         list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
     }
     bool balls = mostly_balls(b, &bounded);
-    bvh_build(&s.tree, bounded.n, nth, bounds, balls ? BALLS_A_LEAF : ITEMS_A_LEAF, b->threads,
+    bvh_build(&s.tree, bounded.n, nth, bounds, balls ? BALLS_A_LEAF : ITEMS_A_LEAF, 1, b->threads,
               b->plan->mem);
     if (number == 0 && bounded.n <= MOST_CANDIDATES)
         s.candidate = arena_array(b->plan->mem, bounded.n + 1, sizeof *s.candidate);

@@ -6,12 +6,14 @@
 
 #include "shape/triangle.h"
 
-enum { FACES_A_LEAF = 4 };
+enum { FACES_A_LEAF = 8 };
 
 static const vec3 *corner(const struct mesh *m, uint32_t face, int i)
 {
     return &m->vertex[m->face[face].vertex[i]];
 }
+
+static const vec3 *nth_corner(const void *of, uint32_t face, int i) { return corner(of, face, i); }
 
 static struct bounds face_bounds(const struct mesh *m, uint32_t face)
 {
@@ -104,12 +106,13 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
     }
     struct mesh_tree *t = arena_alloc(mem, sizeof *t);
     t->mesh = m;
-    bvh_build(&t->tree, k.n, kept_bounds, &k, FACES_A_LEAF, threads, mem);
+    bvh_build(&t->tree, k.n, kept_bounds, &k, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
     t->bounds = BOUNDS_EMPTY;
     for (size_t i = 0; i < k.n; i++) {
         t->bounds = bounds_join(t->bounds, kept_bounds(&k, i));
         t->tree.item[i] = k.face[t->tree.item[i]];
     }
+    sieve_init(&t->sieve, &t->tree, nth_corner, m, mem);
     t->is_closed = mesh_has_inside(t) && is_closed(&k, &scrap);
     arena_free(&scrap);
     return t;
@@ -117,11 +120,22 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
 
 struct search {
     const struct mesh *mesh;
+    const struct sieve *sieve;
+    struct sieve_ray coarse;
     struct triangle_ray ray;
     double near, far;
     struct hit *out;
     int n, room;
 };
+
+/* Member by member: the rays are filled in when they are known. */
+INLINE void search_init(struct search *s, const struct mesh *m, double near, double far)
+{
+    s->mesh = m;
+    s->near = near;
+    s->far = far;
+    s->n = 0;
+}
 
 static struct hit hit_of(const struct search *s, const struct triangle_hit *h, uint32_t face)
 {
@@ -135,6 +149,29 @@ static bool crosses(const struct search *s, uint32_t face, struct triangle_hit *
 {
     return triangle_cross(&s->ray, *corner(s->mesh, face, 0), *corner(s->mesh, face, 1),
                           *corner(s->mesh, face, 2), h);
+}
+
+INLINE uint32_t sift(void *arg, const struct bvh_ray *r, uint32_t first, uint32_t count, float limit)
+{
+    struct search *s = arg;
+
+    (void)r;
+    return ((1u << count) - 1) & sieve_test(s->sieve, &s->coarse, first, count, limit);
+}
+
+typedef bool visitor(void *arg, const uint32_t item[], uint32_t bits, double *far);
+
+INLINE void walk(const struct mesh_tree *t, struct ray ray, double near, double far, visitor *visit,
+                 struct search *s, unsigned long long *box_tests)
+{
+    struct bvh_ray r;
+
+    if (!bvh_aim(&t->tree, ray, near, far, &r))
+        return;
+    s->sieve = &t->sieve;
+    s->ray = triangle_ray(ray);
+    sieve_aim(&s->coarse, &r);
+    bvh_walk_aimed(&t->tree, &r, far, (struct bvh_visitor) { sift, visit }, s, box_tests);
 }
 
 INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, double *far)
@@ -165,12 +202,15 @@ INLINE uint32_t all_faces(const struct mesh_tree *t) { return (1u << t->tree.n_i
 bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double far,
                   struct hit *out, unsigned long long *box_tests)
 {
-    struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, 1 };
+    struct search s;
 
-    if (is_tiny(t))
+    search_init(&s, t->mesh, near, far);
+    s.out = out;
+    if (is_tiny(t)) {
+        s.ray = triangle_ray(ray);
         visit_nearest(&s, t->tree.item, all_faces(t), &far);
-    else
-        bvh_walk(&t->tree, ray, near, far, visit_nearest, &s, box_tests);
+    } else
+        walk(t, ray, near, far, visit_nearest, &s, box_tests);
     return s.n > 0;
 }
 
@@ -207,12 +247,16 @@ INLINE bool visit_all(void *arg, const uint32_t item[], uint32_t bits, double *f
 int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far,
               struct hit out[], int room, unsigned long long *box_tests)
 {
-    struct search s = { t->mesh, triangle_ray(ray), near, far, out, 0, room };
+    struct search s;
 
-    if (is_tiny(t))
+    search_init(&s, t->mesh, near, far);
+    s.out = out;
+    s.room = room;
+    if (is_tiny(t)) {
+        s.ray = triangle_ray(ray);
         visit_all(&s, t->tree.item, all_faces(t), &far);
-    else
-        bvh_walk(&t->tree, ray, near, far, visit_all, &s, box_tests);
+    } else
+        walk(t, ray, near, far, visit_all, &s, box_tests);
     return s.n;
 }
 
@@ -234,8 +278,9 @@ bool mesh_inside(const struct mesh_tree *t, vec3 p)
 
     if (!mesh_has_inside(t))
         return false;
-    struct search s = { t->mesh, triangle_ray(ray), 0, INFINITY, NULL, 0, 0 };
-    bvh_walk(&t->tree, ray, 0, INFINITY, visit_count, &s, &unused);
+    struct search s;
+    search_init(&s, t->mesh, 0, INFINITY);
+    walk(t, ray, 0, INFINITY, visit_count, &s, &unused);
     return s.n & 1;
 }
 

@@ -4,10 +4,12 @@
 
 #include "scene/object.h"
 #include "trace/bvh.h"
+#include "trace/sieve.h"
 
 struct mesh_tree {
     const struct mesh *mesh;
     struct bvh tree;                    /* its items are faces */
+    struct sieve sieve;
     bool is_closed;                     /* every line crosses it an even number of times */
     struct bounds bounds;
 };
