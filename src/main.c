@@ -103,6 +103,7 @@ static struct lang_setup setup_of(struct run *r)
         .allow_write = o->allow_write.item, .n_allow_write = o->allow_write.n,
         .declare = o->declare.item, .n_declare = o->declare.n,
         .width = o->width, .height = o->height, .version = o->version,
+        .checks = o->task == TASK_CHECK,
         .clock = o->clock, .clock_on = o->has_clock, .debug = r->debug, .load_image = load_image };
 
     if (r->frame) {

@@ -94,3 +94,67 @@ bool ini_read(struct options *o, const char *path)
     return read_file(o, arena_text(o->mem, path, (size_t)(bracket - path)),
                      arena_text(o->mem, bracket + 1, strcspn(bracket + 1, "]")));
 }
+
+/* --- the INI file beside a scene ------------------------------------------ */
+
+static bool is_key(const char *line, const char *key)
+{
+    size_t n = strcspn(line, "= \t");
+
+    return strlen(key) == n && strncasecmp(line, key, n) == 0;
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+
+    return slash ? slash + 1 : path;
+}
+
+static const char *value_of(struct options *o, const char *line)
+{
+    const char *equals = strchr(unquoted(o, line), '=');
+
+    return base_name(equals + 1 + strspn(equals + 1, " \t"));
+}
+
+/* Only what tells of frames and clocks; true: the file is about this scene. */
+static bool read_frames(struct options *o, FILE *f)
+{
+    static const char *const keys[] = { "Initial_Frame", "Final_Frame", "Initial_Clock",
+                                        "Final_Clock", "Cyclic_Animation" };
+    char text[LONGEST_LINE];
+    bool is_ours = false;
+
+    while (fgets(text, sizeof text, f)) {
+        const char *line = trimmed(text);
+        if (!strchr(line, '='))
+            continue;
+        if (is_key(line, "Input_File_Name"))
+            is_ours = strcmp(value_of(o, line), base_name(o->scene)) == 0;
+        for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+            if (is_key(line, keys[i]) && !povray_assignment(o, unquoted(o, line)))
+                return false;
+    }
+    return is_ours;
+}
+
+void ini_beside(struct options *o)
+{
+    const char *name = base_name(o->scene), *dot = strrchr(name, '.');
+    struct options own = *o;
+
+    if (!dot || o->has_clock || o->animation.is_on)
+        return;
+    const char *path = arena_format(o->mem, "%.*s.ini", (int)(dot - o->scene), o->scene);
+    FILE *f = fopen(path, "r");
+    bool is_ours = f && read_frames(&own, f);
+    if (f)
+        fclose(f);
+    if (!is_ours || !own.animation.is_on)
+        return;
+    o->animation = own.animation;
+    o->animation.subset_start = o->animation.subset_end = o->animation.initial_frame;
+    option_warning(o, "checked as frame %d of an animation, as %s says", o->animation.initial_frame,
+                   path);
+}

@@ -550,6 +550,8 @@ static bool finish(struct options *o)
     if (strcmp(o->scene, "-") == 0 && o->task == TASK_RENDER && !o->output && !o->no_file)
         return option_error("-o: a scene from standard input has no name for its picture; "
                             "say -o FILE, or -o - for standard output");
+    if (o->task == TASK_CHECK)
+        ini_beside(o);
     if (o->animation.is_on && o->animation.initial_frame > o->animation.final_frame)
         return option_error("the final frame %d is before the initial frame %d",
                             o->animation.final_frame, o->animation.initial_frame);

@@ -83,4 +83,8 @@ bool povray_bare(struct options *o, const char *word);      /* a file's name: sc
 /* An INI file: ini.c.  path may end in [section]. */
 bool ini_read(struct options *o, const char *path);
 
+/* A scene that is checked may be one of an animation, which SCENE.ini beside it
+ * tells: its first frame is checked then. */
+void ini_beside(struct options *o);
+
 #endif

@@ -341,15 +341,13 @@ static void skip_object(struct reader *r, struct patterned *p, const struct item
     reader_close(&in);
 }
 
-static void skip_block(struct reader *r, const struct item *i, struct patterned *p)
+static void skip_block(struct reader *r, const struct item *i)
 {
     struct image_use image = { 0 };
     bool unsupported = false;
 
     if (i->kind != ITEM_BLOCK)
         diag_error(r->lang->diag, i->at, "%s needs braces", i->text);
-    else if (strcmp(p->word, "pigment_pattern") == 0)
-        build_pigment(r->lang, i, r->lang->build->texture->pigment);
     else
         build_image(r->lang, i, &image, &unsupported);
 }
@@ -362,9 +360,8 @@ static void skip_special(struct reader *r, struct patterned *p, const struct ite
         skip_slope(r, i);
     else if (strcmp(w, "object") == 0)
         skip_object(r, p, i);
-    else if (strcmp(w, "pigment_pattern") == 0 || strcmp(w, "image_pattern") == 0
-             || strcmp(w, "bump_map") == 0)
-        skip_block(r, i, p);
+    else if (strcmp(w, "image_pattern") == 0 || strcmp(w, "bump_map") == 0)
+        skip_block(r, i);
     else if (strcmp(w, "density_file") == 0) {
         if (!reader_takes_word(r, "df3"))
             diag_error(r->lang->diag, reader_at(r), "density_file needs df3 and a file name");
@@ -423,6 +420,22 @@ static void read_unsupported(struct reader *r, struct patterned *p, const struct
         read_list(r, p, s->n_list);
 }
 
+/* The brightness of a pigment is a function like others. */
+static void read_pigment_pattern(struct reader *r, struct patterned *p, const struct item *i)
+{
+    struct lang *l = r->lang;
+    const struct pigment *pigment;
+
+    if (i->kind != ITEM_BLOCK) {
+        diag_error(l->diag, i->at, "%s needs braces", i->text);
+        return;
+    }
+    pigment = build_pigment(l, i, l->build->texture->pigment);
+    read_row(r, p, pattern_find("function"));
+    function_as_pattern(l, i->at, function_of_grey(l, pigment, i->at), (void *)p->use.self,
+                        &p->unsupported);
+}
+
 /* The same pattern may have had a map from an identifier: it stays. */
 static void read_pattern(struct reader *r, struct patterned *p, const struct item *i)
 {
@@ -437,6 +450,8 @@ static void read_pattern(struct reader *r, struct patterned *p, const struct ite
         read_row(r, p, ops);
     if (i->kind == ITEM_VALUE)
         function_as_pattern(r->lang, i->at, i->value.thing, (void *)p->use.self, &p->unsupported);
+    else if (item_is(i, "pigment_pattern"))
+        read_pigment_pattern(r, p, i);
     else if (!ops)
         read_unsupported(r, p, i, find_syntax(word));
     if (p->kind == PATTERNED_MAP && !had_map)

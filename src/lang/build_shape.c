@@ -49,7 +49,7 @@ static void prepare(struct lang *l, struct object *o, const struct item *block, 
 
     if (!wrong)
         return;
-    if (!said && is_fatal(o->ops->name, wrong))
+    if (!said && is_fatal(o->ops->name, wrong) && !l->guessed)
         build_wrong(l, block, "%s: %s", o->ops->name, wrong);
     else if (!said)
         diag_warning(l->diag, block->at, "%s: %s; it is left out", o->ops->name, wrong);

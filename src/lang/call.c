@@ -248,11 +248,33 @@ static void call_file_exists(struct arguments *a, struct value *out)
 
 /* --- objects -------------------------------------------------------------------- */
 
+static const char *what_lacks(const struct object *o)
+{
+    const char *lacks = o->more->unsupported;
+
+    for (size_t i = 0; i < o->n_child && !lacks; i++)
+        lacks = what_lacks(o->child[i]);
+    return lacks;
+}
+
+/* The answer is as if what is not supported were not there; what follows from
+ * it may be no mistake of the scene. */
+static bool is_unknown(struct arguments *a, const struct object *o)
+{
+    const char *lacks = what_lacks(o);
+
+    if (lacks)
+        diag_unsupported(a->l->diag, a->node->at,
+                         arena_format(a->l->mem, "%s of %s", a->call->name, lacks));
+    a->l->guessed |= lacks != NULL;
+    return lacks;
+}
+
 static void call_inside(struct arguments *a, struct value *out)
 {
     const struct object *o = a->v[0].thing;
 
-    if (!object_is_solid(o))
+    if (!is_unknown(a, o) && !object_is_solid(o))
         refuse(a, "the object has no inside");
     one(out, object_inside(o, point(a, 1)));
 }
@@ -261,6 +283,7 @@ static void call_trace(struct arguments *a, struct value *out)
 {
     vec3 hit = vec(0, 0, 0), normal = vec(0, 0, 0);
 
+    is_unknown(a, a->v[0].thing);
     if (!object_trace(a->v[0].thing, point(a, 1), point(a, 2), &hit, &normal))
         hit = normal = vec(0, 0, 0);
     three(out, hit);

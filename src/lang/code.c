@@ -15,6 +15,11 @@ struct machine {
 };
 
 static void run(const struct machine *m, const struct code *code, size_t n_code);
+static double grey(colour c)
+{
+    return (double)((0.297f * c.r + 0.589f * c.g) + 0.114f * c.b);
+}
+
 static void run_one(const struct function *f, const double *arguments, double *out, bool remember);
 
 #define EACH(expression) \
@@ -129,6 +134,7 @@ static void run_one(const struct function *f, const double *arguments, double *o
     }
     case FUNCTION_SPLINE: spline_at(f->spline, arguments[0], -1, out); return;
     case FUNCTION_INTERNAL: out[0] = internal_value(f, arguments, remember); return;
+    case FUNCTION_GREY: out[0] = grey(pigment_at(f->pigment, p)); return;
     case FUNCTION_PATTERN: out[0] = pattern_at(f->pattern, f->transform, p); return;
     }
 }

@@ -33,7 +33,7 @@ struct code {
 };
 
 enum function_kind { FUNCTION_CODE, FUNCTION_TRANSFORM, FUNCTION_SPLINE, FUNCTION_INTERNAL,
-                     FUNCTION_PATTERN, FUNCTION_PIGMENT };
+                     FUNCTION_PATTERN, FUNCTION_PIGMENT, FUNCTION_GREY };
 
 struct function {
     enum function_kind kind;
@@ -44,7 +44,7 @@ struct function {
     const struct transform *transform;  /* its own, or where the pattern is */
     const struct spline *spline;
     const struct pattern_use *pattern;
-    const struct pigment *pigment;
+    const struct pigment *pigment;      /* PIGMENT, GREY: of its colour */
     const struct internal *internal;
     const int *noise_generator;         /* the scene's */
     struct octave_weights *weights;     /* what its first call leaves behind */

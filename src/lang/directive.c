@@ -13,6 +13,7 @@
 #include "lang/guess.h"
 #include "lang/include.h"
 #include "lang/message.h"
+#include "lang/parsing.h"
 #include "lang/scope.h"
 
 static const double tolerance = 1e-10;
@@ -692,9 +693,37 @@ static bool spliced_arguments(struct lang *l, const struct ast *call, const stru
     return fine;
 }
 
+/* `Turned(Ball, x) -y`: behind a macro that leaves an object, the sign begins the next
+ * argument, whose comma is missing. */
+static struct ast *apart(struct lang *l, const struct ast *list)
+{
+    struct ast *to = arena_alloc(l->mem, sizeof *to);
+
+    *to = (struct ast) { .kind = AST_LIST, .at = list->at, .close = list->close };
+    for (const struct ast *a = list->first; a; a = a->next) {
+        struct ast *left = arena_copy(l->mem, a, sizeof *a), *right = NULL;
+        if (a->kind == AST_BINARY && strchr("+-", a->op) && a->left->kind == AST_CALL
+            && is_macro(a->left->name)) {
+            right = arena_copy(l->mem, a, sizeof *a);
+            right->kind = AST_UNARY;
+            right->next = NULL;
+            left = arena_copy(l->mem, a->left, sizeof *left);
+        }
+        left->next = NULL;
+        ast_add(to, left);
+        ast_add(to, right);
+    }
+    return to;
+}
+
 static bool plain_arguments(struct lang *l, const struct ast *call, const struct macro *m,
                             struct argument *argument)
 {
+    if (call->args->n + 1 == m->n) {
+        struct ast again = *call;
+        again.args = apart(l, call->args);
+        return spliced_arguments(l, &again, m, argument);
+    }
     if (call->args->n != m->n) {
         say_count(l, call, m, call->args->n);
         return false;
@@ -787,7 +816,8 @@ static void set_version(struct lang *l, const struct ast *node)
         diag_warning(l->diag, node->at, "';' is missing behind #version");
     l->version = version;
     l->version_given = true;
-    l->version_at = node->at;
+    if (node->at.source == l->main_source)
+        l->version_at = node->at;
     build_version(l);
 }
 

@@ -73,17 +73,32 @@ static bool may_read(const struct lang *l, const char *path)
 
 /* A file that is to be made does not exist yet: its folder counts, unless
  * the name is a link's, which would make a file wherever it points. */
-static bool may_write(struct lang *l, const char *path)
+static bool resolve_target(struct lang *l, const char *path, char resolved[PATH_MAX])
 {
-    const struct lang_setup *s = &l->setup;
-    char resolved[PATH_MAX];
     struct stat st;
     const char *slash = strrchr(path, '/');
     const char *folder = slash ? arena_text(l->mem, path, (size_t)(slash - path + 1)) : ".";
 
-    if (!realpath(path, resolved) && (errno != ENOENT || lstat(path, &st) == 0 || !realpath(folder, resolved)))
-        return false;
-    return is_below_any(resolved, s->allow_write, s->n_allow_write);
+    return realpath(path, resolved)
+        || (errno == ENOENT && lstat(path, &st) != 0 && realpath(folder, resolved));
+}
+
+static bool may_write(struct lang *l, const char *path)
+{
+    const struct lang_setup *s = &l->setup;
+    char resolved[PATH_MAX];
+
+    return resolve_target(l, path, resolved)
+        && is_below_any(resolved, s->allow_write, s->n_allow_write);
+}
+
+/* Nothing is written by a check that was not told where to write, so the scene may
+ * act as if in its own folder. */
+static bool may_pretend(struct lang *l, const char *path)
+{
+    char resolved[PATH_MAX];
+
+    return l->setup.checks && l->setup.n_allow_write == 0 && resolve_target(l, path, resolved) && is_below(resolved, l->folder);
 }
 
 static bool is_file(const char *path)
@@ -182,13 +197,60 @@ struct handle {
     int next;                           /* reading: the character to come, or EOF */
     unsigned line;
     const char *path;
+    bool is_pretended;                  /* the file has no name: nothing is written in a check */
     struct handle *others;              /* of the same scene, for the end */
 };
 
+/* What the scene has written before, in a check that keeps it in a nameless file. */
+static FILE *written_before(struct lang *l, const char *path)
+{
+    for (struct handle *h = l->handle; h; h = h->others)
+        if (h->is_pretended && h->file && strcmp(h->path, path) == 0) {
+            FILE *f = h->file;
+            h->file = NULL;
+            return f;
+        }
+    return NULL;
+}
+
+static FILE *pretend(struct lang *l, struct loc at, const char *path, bool append)
+{
+    FILE *f = append ? written_before(l, path) : NULL;
+
+    diag_warning(l->diag, at, "'%s' is not written by this check; a picture needs "
+                 "--allow-write=FOLDER", path);
+    return f ? f : tmpfile();
+}
+
+static FILE *open_to_write(struct lang *l, struct loc at, const char *path, bool append,
+                           bool *is_pretended)
+{
+    if (may_write(l, path))
+        return fopen(path, append ? "ab" : "wb");
+    *is_pretended = may_pretend(l, path);
+    if (*is_pretended)
+        return pretend(l, at, path, append);
+    diag_error(l->diag, at, "the scene may not write '%s'; --allow-write=FOLDER would let it", path);
+    return NULL;
+}
+
+static FILE *open_to_read(struct lang *l, struct loc at, const char *name, const char **path)
+{
+    FILE *f = written_before(l, joined(l, l->folder, name));
+
+    if (f)
+        rewind(f);
+    else if ((*path = lang_find_file(l, at, name, NULL, "file")))
+        f = fopen(*path, "rb");
+    return f;
+}
+
 void file_open(struct lang *l, const struct ast *node)
 {
-    struct text name;
+    struct loc at = node->args->first->at;
+    unsigned errors = l->diag->errors;
     bool reads = word_is(node->word, "read");
+    struct text name;
 
     if (!evaluate_text(l, node->args->first, "a file's name", &name) || l->diag->errors)
         return;
@@ -197,23 +259,17 @@ void file_open(struct lang *l, const struct ast *node)
         return;
     }
     struct handle *h = arena_alloc(l->mem, sizeof *h);
-    h->writes = !reads;
+    *h = (struct handle) { .writes = !reads, .line = 1, .path = joined(l, l->folder, name.bytes) };
     *scope_declare_global(l, node->name, node->at)->value = value_thing(VALUE_FILE, h);
-    const char *path = reads ? lang_find_file(l, node->args->first->at, name.bytes, NULL, "file")
-        : joined(l, l->folder, name.bytes);
-    if (!path)
-        return;
-    if (!reads && !may_write(l, path)) {
-        diag_error(l->diag, node->args->first->at, "the scene may not write '%s'; "
-                   "--allow-write=FOLDER would let it", path);
+    h->file = reads ? open_to_read(l, at, name.bytes, &h->path)
+        : open_to_write(l, at, h->path, word_is(node->word, "append"), &h->is_pretended);
+    if (!h->file) {
+        if (errors == l->diag->errors)
+            diag_error(l->diag, node->at, "cannot open '%s': %s", h->path, strerror(errno));
         return;
     }
-    FILE *f = fopen(path, reads ? "rb" : word_is(node->word, "append") ? "ab" : "wb");
-    if (!f) {
-        diag_error(l->diag, node->at, "cannot open '%s': %s", path, strerror(errno));
-        return;
-    }
-    *h = (struct handle) { f, !reads, reads ? getc(f) : 0, 1, path, l->handle };
+    h->next = reads ? getc(h->file) : 0;
+    h->others = l->handle;
     l->handle = h;
     l->file = reads ? l->file : NULL;   /* an included file may be about to change */
 }
@@ -239,7 +295,8 @@ void file_close(struct lang *l, const struct ast *node)
 
     if (!h)
         return;
-    close_handle(h);
+    if (!h->is_pretended)
+        close_handle(h);                /* else it may be read later */
     scope_undef(l, (struct name *)node->name);
 }
 

@@ -681,3 +681,12 @@ bool function_as_pattern(struct lang *l, struct loc at, const struct function *f
     }
     return false;
 }
+
+const struct function *function_of_grey(struct lang *l, const struct pigment *p, struct loc at)
+{
+    struct function *f = arena_alloc(l->scene_mem, sizeof *f);
+
+    *f = (struct function) { .kind = FUNCTION_GREY, .n_parameter = 3, .n_component = 1,
+                             .pigment = p, .unsupported = pigment_unsupported(p), .at = at };
+    return f;
+}

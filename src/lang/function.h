@@ -3,6 +3,7 @@
 #define RTC_FUNCTION_H
 
 #include "lang/state.h"
+#include "scene/pigment.h"
 
 bool function_make(struct lang *l, const struct ast *node, struct value *out);
 void function_call(struct lang *l, const struct ast *node, const struct function *f,
@@ -13,6 +14,9 @@ void function_call(struct lang *l, const struct ast *node, const struct function
 struct function_pattern;
 bool function_as_pattern(struct lang *l, struct loc at, const struct function *f,
                          struct function_pattern *out, const char **unsupported);
+
+/* How bright a pigment is where: what pigment_pattern means. */
+const struct function *function_of_grey(struct lang *l, const struct pigment *p, struct loc at);
 
 struct spline;
 bool spline_make(struct lang *l, const struct ast *node, struct value *out);

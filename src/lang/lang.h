@@ -26,6 +26,7 @@ struct lang_setup {
     const char *const *declare;         /* NAME=VALUE */
     size_t n_declare;
     unsigned width, height;             /* image_width, image_height */
+    bool checks;                        /* no picture will be made: files are not written either */
     double version;                     /* +MV; 0: not given */
     double clock, initial_clock, final_clock, clock_delta;
     bool clock_on;

@@ -58,7 +58,7 @@ struct lang {
     const struct name *declaring;       /* what is being declared */
     int version;                        /* number * 100, as #version says */
     bool version_given;
-    struct loc version_at;              /* the last #version */
+    struct loc version_at;              /* the scene's last #version */
     uint32_t main_source;               /* the scene's own text */
     bool charset_utf8;                  /* global_settings { charset utf8 } */
     struct stream *stream;
@@ -70,6 +70,7 @@ struct lang {
     char *warning_line;
     size_t n_warning, room_warning;
 
+    bool guessed;                       /* trace or inside met what is not supported */
     bool skipping;                      /* on to the next block or directive of the top level */
     bool stopped;                       /* read nothing more */
     bool limit_reached;                 /* exit code 4 */
