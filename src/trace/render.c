@@ -63,96 +63,123 @@ static struct tile tile_at(const struct gang *g, unsigned long number)
                            least(TILE_HEIGHT, g->o->crop_height - y) };
 }
 
-/* Points of the picture that rays are wanted for. */
+/* Samples first to end of the pixels of a tile, and how they lie in its rows. */
 struct aims {
-    int n;
-    uint32_t pixel[BATCH];              /* of the tile */
-    double x[BATCH], y[BATCH];          /* of the picture's pixel */
-    double column[BATCH], row[BATCH];   /* of the sample in it */
-    double u[BATCH], v[BATCH];
+    const struct render_options *o;
+    const struct tile *tile;
+    unsigned first, end;
+    int n;                              /* rays a row */
+    double u[WAVE_RAYS], v[WAVE_RAYS];  /* v: of the row that is looked at */
+    double sample_row[WAVE_RAYS];       /* within the pixel */
+    uint32_t pixel[WAVE_RAYS];          /* within the row */
 };
 
-static void add_aim(struct aims *a, const struct render_options *o, const struct tile *t,
-                    unsigned pixel, unsigned s)
-{
-    int i = a->n++;
-
-    a->pixel[i] = pixel;
-    a->x[i] = o->crop_x + t->x + pixel % t->width;
-    a->y[i] = o->crop_y + t->y + pixel / t->width;
-    a->column[i] = s % o->samples_side;
-    a->row[i] = s / o->samples_side;
-}
-
-KERNEL static void place(int n, const double *restrict pixel, const double *restrict sample,
-                         double side, double size, double *restrict out)
+KERNEL static void place(int n, double pixel, const double *restrict sample, double side,
+                         double size, double *restrict out)
 {
     for (int i = 0; i < n; i++)
-        out[i] = (pixel[i] + (sample[i] + 0.5) / side) / size;
+        out[i] = (pixel + (sample[i] + 0.5) / side) / size;
 }
 
-static struct wave_ray camera_ray(const struct worker *w, uint32_t pixel)
+static void plan_rows(struct aims *a)
 {
-    return (struct wave_ray) { .ray.origin = w->lens.location, .weight = { 1, 1, 1 }, .alpha = 1,
-                               .adc = 1, .pixel = pixel, .inside = w->camera_inside,
-                               .mask = RAY_PRIMARY };
-}
+    const struct render_options *o = a->o;
+    double sample_column[WAVE_RAYS];
+    int n = 0;
 
-static void shoot_fan(struct worker *w, const struct aims *a)
-{
-    double dx[BATCH], dy[BATCH], dz[BATCH];
-
-    lens_fan(&w->lens, a->n, a->u, a->v, dx, dy, dz);
-    for (int i = 0; i < a->n; i++) {
-        struct wave_ray r = camera_ray(w, a->pixel[i]);
-        r.ray.dir = vec(dx[i], dy[i], dz[i]);
-        wave_push(&w->now, &r);
+    for (unsigned k = a->first; k < a->end; k++) {
+        sample_column[k - a->first] = k % o->samples_side;
+        a->sample_row[k - a->first] = k / o->samples_side;
     }
-    w->counts.primary += a->n;
+    for (unsigned x = 0; x < a->tile->width; x++) {
+        int count = (int)(a->end - a->first);
+        place(count, o->crop_x + a->tile->x + x, sample_column, o->samples_side, o->width,
+              a->u + n);
+        for (int k = 0; k < count; k++, n++) {
+            a->pixel[n] = x;
+            a->sample_row[n] = a->sample_row[k];
+        }
+    }
+    a->n = n;
+}
+
+/* What all rays that come from the camera have in common. */
+static void load_wave(struct wave *w, int from, uint32_t inside)
+{
+    for (int i = from; i < w->n; i++)
+        w->red[i] = w->green[i] = w->blue[i] = w->alpha[i] = w->adc[i] = 1;
+    for (int i = from; i < w->n; i++) {
+        w->inside[i] = inside;
+        w->depth[i] = 0;
+        w->mask[i] = RAY_PRIMARY;
+    }
+}
+
+static void shoot_fan(struct worker *w, const struct aims *a, uint32_t pixel)
+{
+    struct wave *now = &w->now;
+    int from = now->n;
+
+    now->n += a->n;
+    lens_fan(&w->lens, a->n, a->u, a->v, now->dx + from, now->dy + from, now->dz + from);
+    for (int i = 0; i < a->n; i++) {
+        now->x[from + i] = w->lens.location.x;
+        now->y[from + i] = w->lens.location.y;
+        now->z[from + i] = w->lens.location.z;
+        now->pixel[from + i] = pixel + a->pixel[i];
+    }
+    load_wave(now, from, w->camera_inside);
 }
 
 static void shoot_one(struct worker *w, uint32_t pixel, double u, double v)
 {
-    struct wave_ray r = camera_ray(w, pixel);
+    struct wave *now = &w->now;
+    struct ray ray;
+    int i = now->n;
 
-    if (!lens_ray(&w->lens, u, v, &r.ray)) {
+    if (!lens_ray(&w->lens, u, v, &ray)) {
         w->film.sum[pixel][3] += 1;
         return;
     }
-    if (!w->lens.fixed_origin)
-        r.inside = worker_insides_at(w, r.ray.origin);
-    w->counts.primary++;
-    wave_push(&w->now, &r);
+    now->x[i] = ray.origin.x;
+    now->y[i] = ray.origin.y;
+    now->z[i] = ray.origin.z;
+    now->dx[i] = ray.dir.x;
+    now->dy[i] = ray.dir.y;
+    now->dz[i] = ray.dir.z;
+    now->pixel[i] = pixel;
+    now->n++;
+    load_wave(now, i, w->lens.fixed_origin ? w->camera_inside : worker_insides_at(w, ray.origin));
 }
 
-static void shoot(struct worker *w, const struct render_options *o, struct aims *a)
+static void shoot_row(struct worker *w, struct aims *a, unsigned y)
 {
-    place(a->n, a->x, a->column, o->samples_side, o->width, a->u);
-    place(a->n, a->y, a->row, o->samples_side, o->height, a->v);
+    uint32_t pixel = y * a->tile->width;
+
+    place(a->n, a->o->crop_y + a->tile->y + y, a->sample_row, a->o->samples_side, a->o->height,
+          a->v);
     if (w->lens.kind == CAMERA_PERSPECTIVE)
-        shoot_fan(w, a);
+        shoot_fan(w, a, pixel);
     else
         for (int i = 0; i < a->n; i++)
-            shoot_one(w, a->pixel[i], a->u[i], a->v[i]);
-    a->n = 0;
+            shoot_one(w, pixel + a->pixel[i], a->u[i], a->v[i]);
 }
 
-/* Samples from s up to end, of all pixels of the tile. */
+/* Samples from first up to end, of all pixels of the tile. */
 static void aim(struct worker *w, const struct render_options *o, const struct tile *t,
-                unsigned s, unsigned end)
+                unsigned first, unsigned end)
 {
-    unsigned n_pixel = t->width * t->height;
     struct aims a;
 
-    a.n = 0;
-    for (unsigned pixel = 0; pixel < n_pixel; pixel++)
-        for (unsigned k = s; k < end; k++) {
-            add_aim(&a, o, t, pixel, k);
-            if (a.n == BATCH)
-                shoot(w, o, &a);
-        }
-    if (a.n)
-        shoot(w, o, &a);
+    a.o = o;
+    a.tile = t;
+    a.first = first;
+    a.end = end;
+    plan_rows(&a);
+    wave_reserve(&w->now, a.n * (int)t->height);
+    for (unsigned y = 0; y < t->height; y++)
+        shoot_row(w, &a, y);
+    w->counts.primary += w->now.n;
 }
 
 static void trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
@@ -167,18 +194,20 @@ static void trace_tile(struct worker *w, const struct render_options *o, const s
     }
 }
 
+KERNEL static void average(int n, const double *restrict sum, double count, float *restrict out)
+{
+    for (int i = 0; i < n; i++)
+        out[i] = (float)(sum[i] / count);
+}
+
 static void develop(const struct worker *w, const struct render_options *o, const struct tile *t,
                     float *band)
 {
     double n = (double)o->samples_side * o->samples_side;
 
     for (unsigned y = 0; y < t->height; y++)
-        for (unsigned x = 0; x < t->width; x++) {
-            const double *sum = w->film.sum[y * t->width + x];
-            float *out = band + 4 * ((size_t)y * o->crop_width + t->x + x);
-            for (int k = 0; k < 4; k++)
-                out[k] = (float)(sum[k] / n);
-        }
+        average(4 * (int)t->width, *w->film.sum + 4 * (size_t)y * t->width, n,
+                band + 4 * ((size_t)y * o->crop_width + t->x));
 }
 
 /* ---- sharing out ---- */

@@ -94,7 +94,20 @@ static void show_batch(struct worker *w, const int ray[], int n)
         add_ray(w, ray[k], &view[k]);
 }
 
-void sky_show(struct worker *w)
+/* Nothing but a background: the same light for all. */
+static void show_plain(struct worker *w)
+{
+    const struct sky *s = w->shader->sky;
+    const struct view all = { { 0, 0, 0 }, { 1, 1, 1 }, 1, 1, 1 };
+
+    if (s->transmit == 0 && s->background.r == 0 && s->background.g == 0 && s->background.b == 0)
+        return;
+    for (int i = 0; i < w->now.n; i++)
+        if (w->meeting[i].leaf == NO_LEAF)
+            add_ray(w, i, &all);
+}
+
+static void show_painted(struct worker *w)
 {
     int ray[BATCH], n = 0;
 
@@ -109,6 +122,14 @@ void sky_show(struct worker *w)
     }
     if (n)
         show_batch(w, ray, n);
+}
+
+void sky_show(struct worker *w)
+{
+    if (w->shader->sky->n_paint)
+        show_painted(w);
+    else
+        show_plain(w);
 }
 
 /* ---- fog ---- */

@@ -24,40 +24,8 @@ struct wave {
 #undef C
 };
 
-/* One of them. */
-struct wave_ray {
-    struct ray ray;
-    rgb weight;
-    float alpha, adc;
-    uint32_t pixel, inside;
-    uint16_t depth;
-    uint8_t mask;
-};
-
 void wave_reserve(struct wave *w, int room);
 void wave_release(struct wave *w);
-
-static inline void wave_push(struct wave *w, const struct wave_ray *r)
-{
-    if (w->n == w->room)
-        wave_reserve(w, w->n + 1);
-    int i = w->n++;
-    w->x[i] = r->ray.origin.x;
-    w->y[i] = r->ray.origin.y;
-    w->z[i] = r->ray.origin.z;
-    w->dx[i] = r->ray.dir.x;
-    w->dy[i] = r->ray.dir.y;
-    w->dz[i] = r->ray.dir.z;
-    w->red[i] = r->weight.r;
-    w->green[i] = r->weight.g;
-    w->blue[i] = r->weight.b;
-    w->alpha[i] = r->alpha;
-    w->adc[i] = r->adc;
-    w->pixel[i] = r->pixel;
-    w->inside[i] = r->inside;
-    w->depth[i] = r->depth;
-    w->mask[i] = r->mask;
-}
 
 static inline struct ray wave_at(const struct wave *w, int i)
 {
