@@ -293,6 +293,82 @@ START_TEST(test_a_ray_of_any_length_and_origin_meets_the_same)
 }
 END_TEST
 
+enum { MOST_RAYS = 300 };
+
+struct many {
+    double x[MOST_RAYS], y[MOST_RAYS], z[MOST_RAYS], dx[MOST_RAYS], dy[MOST_RAYS], dz[MOST_RAYS];
+    double far[MOST_RAYS];
+    uint8_t mask[MOST_RAYS];
+};
+
+static void many_put(struct many *m, int i, struct ray ray)
+{
+    m->x[i] = ray.origin.x;
+    m->y[i] = ray.origin.y;
+    m->z[i] = ray.origin.z;
+    m->dx[i] = ray.dir.x;
+    m->dy[i] = ray.dir.y;
+    m->dz[i] = ray.dir.z;
+}
+
+/* As cameras, mirrors and lamps make them, and as nobody should. */
+static struct ray odd_ray(int i)
+{
+    struct ray ray = random_ray(i % 3 ? uniform(0, 2) : pow(10, uniform(0, 9)), 1);
+
+    ray.dir = vec_scale(ray.dir, ldexp(1, i % 2 ? 0 : below(200) - 100));
+    if (i % 11 == 0)
+        ray.dir = vec(i % 2 ? 0.0 : -0.0, ray.dir.y, 0);
+    if (i % 53 == 0)
+        ray.dir = i % 2 ? vec(0, 0, 0) : vec(NAN, 0, 1);
+    return ray;
+}
+
+static void many_as_one_by_one(const struct plan *p, struct scratch *s, const struct many *m, int n)
+{
+    const struct rays rays = { n, m->x, m->y, m->z, m->dx, m->dy, m->dz };
+    struct meeting all[MOST_RAYS], one;
+    uint64_t barrier[MOST_RAYS];
+
+    geometry_nearest_many(p, s, &rays, m->mask, all);
+    geometry_blocked_many(p, s, &rays, m->far, 0, barrier);
+    for (int i = 0; i < n; i++) {
+        struct ray ray = rays_at(&rays, i);
+        bool met = geometry_nearest(p, s, ray, INFINITY, m->mask[i], &one);
+        ck_assert_uint_eq(all[i].leaf, one.leaf);
+        ck_assert(!met || all[i].t == one.t);
+        ck_assert(!met || all[i].instance == one.instance);
+        ck_assert_int_eq(barrier[i] == BARRIER_OPAQUE, geometry_blocked(p, s, ray, m->far[i], 1));
+    }
+}
+
+START_TEST(test_many_rays_meet_what_each_meets_alone)
+{
+    static const int sizes[] = { 3, 40, 300, 3000, 20000 };
+
+    for (size_t k = 0; k < 2 * sizeof sizes / sizeof *sizes; k++) {
+        teardown();
+        setup();
+        int n = sizes[k / 2];
+        for (int i = 0; i < n; i++)
+            scene_add(&scene, k % 2 ? random_shape(1, 2 / cbrt(n)) : sphere(in_cube(1), 1 / cbrt(n)));
+        scene_add(&scene, SHAPE("plane", 0.6, 0.8, 0, -2));
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        for (int round = 0; round < 20; round++) {
+            struct many m;
+            int n_ray = 1 + below(MOST_RAYS);
+            for (int i = 0; i < n_ray; i++) {
+                many_put(&m, i, odd_ray(i + round));
+                m.far[i] = i % 3 ? INFINITY : uniform(0, 2);
+                m.mask[i] = RAY_PRIMARY;
+            }
+            many_as_one_by_one(p, s, &m, n_ray);
+        }
+    }
+}
+END_TEST
+
 START_TEST(test_scaling_by_two_to_the_k_changes_no_bit)
 {
     static const int exponents[] = { -100, -7, 1, 100 };
@@ -427,7 +503,7 @@ static void look_below(const struct found *s, uint32_t number, int depth)
     for (int slot = 0; slot < LANES; slot++) {
         if (n->count[slot])
             look_into(s, n, slot);
-        else if (n->side[0][0][slot] <= n->side[1][0][slot])
+        else if (n->side[0][0][slot] < INFINITY)
             look_below(s, n->child[slot], depth + 1);
     }
 }
@@ -1092,6 +1168,7 @@ int main(void)
     tcase_set_timeout(tc, 120);
     tcase_add_test(tc, test_the_tree_finds_what_asking_every_leaf_finds);
     tcase_add_test(tc, test_a_ray_of_any_length_and_origin_meets_the_same);
+    tcase_add_test(tc, test_many_rays_meet_what_each_meets_alone);
     tcase_add_test(tc, test_scaling_by_two_to_the_k_changes_no_bit);
     tcase_add_test(tc, test_rays_at_edges_and_corners_of_stacked_boxes_never_slip_through);
     tcase_add_test(tc, test_small_spheres_are_met_at_their_very_edge);

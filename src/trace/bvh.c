@@ -23,11 +23,8 @@ void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, ve
 
 /* Rays that start far away start anew just before the tree, so that floats
  * are enough: from there on everything is of the tree's size.  What rounding
- * is left, of this step and of the origin, moves the origin apart. */
-static const double step_error = 0x1p-45, float_error = 0x1p-23;
-static const double ball_error = 0x1p-19;       /* of a centre's distance from the line */
-static const double flat = 1e-30;       /* in tree units a ray does not move at all along such an axis */
-
+ * is left, of this step and of the origin, moves the origin apart (stream.c
+ * does the same for many rays at once). */
 struct aim { double o, dir, inverse; };
 
 INLINE struct aim aim_axis(double origin, double dir, double middle, double scale, double shorten)
@@ -35,7 +32,7 @@ INLINE struct aim aim_axis(double origin, double dir, double middle, double scal
     double d = dir * shorten;
 
     return (struct aim) { (origin - middle) * scale, d,
-                          fabs(d) > flat ? 1 / d : copysign(1 / flat, d) };
+                          fabs(d) > bvh_flat ? 1 / d : copysign(1 / bvh_flat, d) };
 }
 
 INLINE void aim_clip(struct aim a, double half, double *begin, double *end)
@@ -49,9 +46,11 @@ INLINE void aim_clip(struct aim a, double half, double *begin, double *end)
     *end = out < *end ? out : *end;
 }
 
+INLINE double aim_at(struct aim a, double begin) { return a.o + begin * a.dir; }
+
 INLINE void aim_finish(struct bvh_ray *r, int axis, struct aim a, double begin, double apart)
 {
-    double at = a.o + begin * a.dir, shift = copysign(apart, a.dir);
+    double at = aim_at(a, begin), shift = copysign(apart, a.dir);
 
     r->inverse[axis] = lanes_of((float)a.inverse);
     r->origin[0][axis] = lanes_of((float)(at + shift));
@@ -77,7 +76,7 @@ bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struc
     struct aim y = aim_axis(ray.origin.y, ray.dir.y, b->middle.y, b->scale, shorten);
     struct aim z = aim_axis(ray.origin.z, ray.dir.z, b->middle.z, b->scale, shorten);
     double unit = longest * b->scale;
-    double error = (largest(x.o, y.o, z.o) + 1) * step_error;
+    double error = (largest(x.o, y.o, z.o) + 1) * bvh_step_error;
     double begin = near * unit, end = far * unit;
 
     aim_clip(x, b->half.x + error, &begin, &end);
@@ -86,13 +85,15 @@ bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struc
     if (!(begin <= end))
         return false;
     begin -= fabs(begin) * 1e-12;
+    if (!isfinite(aim_at(x, begin) + aim_at(y, begin) + aim_at(z, begin)))
+        return false;                   /* it would seem to meet everything, boxes of empty slots too */
     out->start = begin;
     out->unit = unit;
-    out->slop = fabs(begin) * step_error;
-    double apart = float_error + error + 4 * out->slop;
+    out->slop = fabs(begin) * bvh_step_error;
+    double apart = bvh_float_error + error + 4 * out->slop;
     aim_finish(out, 0, x, begin, apart);
     aim_finish(out, 1, y, begin, apart);
     aim_finish(out, 2, z, begin, apart);
-    out->apart = (float)(apart + ball_error);
+    out->apart = (float)(apart + bvh_ball_error);
     return true;
 }

@@ -60,12 +60,21 @@ struct bvh_ray {
 /* False: the ray misses all of it between near and far. */
 bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struct bvh_ray *out);
 
+/* What aiming leaves uncertain, in tree units: see bvh.c. */
+static const double bvh_step_error = 0x1p-45, bvh_float_error = 0x1p-23;
+static const double bvh_ball_error = 0x1p-19;   /* of a centre's distance from the line */
+static const double bvh_flat = 1e-30;   /* a ray does not move at all along such an axis */
+
+/* A tree t as a float, not below it. */
+INLINE float bvh_limit(double t)
+{
+    return t < FLT_MAX / 4 ? (float)t * (1 + 8 * FLT_EPSILON) + FLT_MIN : FLT_MAX;
+}
+
 /* A world t as a tree t, not below it. */
 INLINE float bvh_far(const struct bvh_ray *r, double t)
 {
-    double far = t * r->unit - r->start + r->slop;
-
-    return far < FLT_MAX / 4 ? (float)far * (1 + 8 * FLT_EPSILON) + FLT_MIN : FLT_MAX;
+    return bvh_limit(t * r->unit - r->start + r->slop);
 }
 
 INLINE void bvh_slab(const struct bvh_node *n, const struct bvh_ray *r, int axis, lanes *begin,

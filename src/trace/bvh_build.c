@@ -101,10 +101,12 @@ static void slot_box(struct bvh_node *n, int slot, const struct box *b)
     }
 }
 
-/* No ray meets an inside-out box. */
+/* No ray meets a box that is infinitely far away, whichever side is taken
+ * for the low one. */
 static void clear(struct bvh_node *n)
 {
-    static const struct box nowhere = { { 4, 4, 4, 0, 4, 4, 4, 0 } };
+    static const struct box nowhere = { { INFINITY, INFINITY, INFINITY, 0,
+                                          -INFINITY, -INFINITY, -INFINITY, 0 } };
 
     *n = (struct bvh_node) { .count = { 0 } };
     for (int slot = 0; slot < LANES; slot++)

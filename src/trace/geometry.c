@@ -6,6 +6,7 @@
 
 #include "trace/beam.h"
 #include "trace/convex.h"
+#include "trace/stream.h"
 #include "trace/world.h"
 
 enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found by looking again */
@@ -37,6 +38,7 @@ struct scratch {
     size_t n_blocker;
     struct pace nearest, *blocked;      /* blocked: a light */
     struct few beam;                    /* the last beam's */
+    struct stream *stream;
     uint32_t list[MOST_LISTS][FEW];     /* what beams of shadow rays found, for their crossings */
     int n_list;
     struct meeting crossing[MOST_CROSSINGS];
@@ -53,6 +55,7 @@ struct scratch *scratch_new(const struct plan *p, struct arena *mem)
     s->n_blocker = p->n_light;
     s->blocker = arena_array(mem, p->n_light + 1, sizeof *s->blocker);
     s->blocked = arena_array(mem, p->n_light + 1, sizeof *s->blocked);
+    s->stream = arena_alloc(mem, sizeof *s->stream);
     return s;
 }
 
@@ -562,11 +565,80 @@ static void nearest_of_choice(const struct plan *p, struct scratch *s, const str
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
 
-static void nearest_of_each(const struct plan *p, struct scratch *s, const struct rays *r,
-                            const uint8_t *mask, struct meeting *out)
+/* Rays that go down the world's tree together. */
+struct flock {
+    struct search search;               /* of the ray whose turn it is */
+    const struct rays *rays;
+    const uint8_t *mask;
+    struct meeting *out;
+    double far[STREAM];
+    uint64_t *barrier;                  /* of shadow rays */
+    struct blocker *last;
+};
+
+static struct search *turn(struct flock *f, int i)
 {
+    struct search *s = &f->search;
+
+    s->ray = rays_at(f->rays, i);
+    s->far = f->far[i];
+    return s;
+}
+
+static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+{
+    struct flock *f = arg;
+    struct scratch *s = f->search.s;
+    const uint32_t *item = s->plan->geometry->space[0].tree.item + first;
+
+    for (int k = 0; k < n; k++) {
+        int i = ray[k];
+        double far;
+        turn(f, i)->mask = f->mask[i];
+        f->search.best = &f->out[i];
+        visit_nearest(&f->search, item, bits[k], &far);
+        if (far < f->far[i]) {
+            f->far[i] = far;
+            stream_set_far(s->stream, i, far);
+        }
+    }
+}
+
+static void nearest_of_unbounded(struct flock *f, int i)
+{
+    const struct space *world = &f->search.plan->geometry->space[0];
+
+    f->out[i] = (struct meeting) { .t = INFINITY, .leaf = NO_LEAF, .instance = NO_INSTANCE };
+    f->far[i] = INFINITY;
+    turn(f, i)->mask = f->mask[i];
+    f->search.best = &f->out[i];
+    for (size_t k = 0; k < world->n_unbounded; k++)
+        visit_nearest(&f->search, world->unbounded + k, 1, &f->far[i]);
+}
+
+static void nearest_of_stream(const struct plan *p, struct scratch *s, const struct rays *r,
+                              const uint8_t *mask, struct meeting *out)
+{
+    const struct bvh *tree = &p->geometry->space[0].tree;
+    struct flock f = { .search = { .plan = p, .s = s, .instance = NO_INSTANCE }, .rays = r,
+                       .mask = mask, .out = out };
+
     for (int i = 0; i < r->n; i++)
-        geometry_nearest(p, s, rays_at(r, i), INFINITY, mask[i], &out[i]);
+        nearest_of_unbounded(&f, i);
+    s->counts.rays += (unsigned)r->n;
+    if (tree->n_node == 0)
+        return;
+    stream_aim(s->stream, tree, r, f.far);
+    stream_walk(s->stream, tree, true, flock_nearest, &f, &s->counts.box_tests);
+}
+
+static void nearest_of_streams(const struct plan *p, struct scratch *s, const struct rays *rays,
+                               const uint8_t *mask, struct meeting *out)
+{
+    for (int at = 0; at < rays->n; at += STREAM) {
+        struct rays some = rays_from(rays, at, STREAM);
+        nearest_of_stream(p, s, &some, mask + at, out + at);
+    }
 }
 
 static void nearest_of_few(const struct plan *p, struct scratch *s, const struct rays *rays,
@@ -590,7 +662,7 @@ static void nearest_of_beams(const struct plan *p, struct scratch *s, const stru
         struct rays some = rays_from(rays, at, next_group(&s->nearest, rays->n - at, &is_beam));
         n = some.n;
         if (!is_beam) {
-            nearest_of_each(p, s, &some, mask + at, out + at);
+            nearest_of_streams(p, s, &some, mask + at, out + at);
         } else if (beam(&p->geometry->space[0], s, &some, NULL, &c)) {
             beam_went_well(&s->nearest, n, c.few->n);
             nearest_of_choice(p, s, &c, &some, mask + at, out + at);
@@ -606,7 +678,7 @@ void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct
 {
     const struct space *world = &p->geometry->space[0];
 
-    (world->few ? nearest_of_few : world->candidate ? nearest_of_beams : nearest_of_each)
+    (world->few ? nearest_of_few : world->candidate ? nearest_of_beams : nearest_of_streams)
         (p, s, rays, mask, out);
 }
 
@@ -694,12 +766,65 @@ static void blocked_by_choice(const struct plan *p, struct scratch *s, const str
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
 
-static void blocked_by_each(const struct plan *p, struct scratch *s, const struct rays *r,
-                            const double *far, uint32_t light, uint64_t *barrier)
+static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
 {
-    for (int i = 0; i < r->n; i++)
-        barrier[i] = geometry_blocked(p, s, rays_at(r, i), far[i], light) ? BARRIER_OPAQUE
-                     : p->has_transparency ? BARRIER_ANY : 0;
+    struct flock *f = arg;
+    struct scratch *s = f->search.s;
+    const uint32_t *item = s->plan->geometry->space[0].tree.item + first;
+
+    for (int k = 0; k < n; k++) {
+        int i = ray[k];
+        double far;
+        if (!visit_blocked(turn(f, i), item, bits[k], &far))
+            continue;
+        f->barrier[i] = BARRIER_OPAQUE;
+        *f->last = (struct blocker) { f->search.best->leaf, f->search.best->instance, NO_BIT, true };
+        stream_end(s->stream, i);
+    }
+}
+
+static bool blocked_by_unbounded(struct flock *f, int i)
+{
+    const struct space *world = &f->search.plan->geometry->space[0];
+    struct search *s = turn(f, i);
+    double far;
+
+    if (still_blocks(s, f->last))
+        return true;
+    for (size_t k = 0; k < world->n_unbounded; k++)
+        if (visit_blocked(s, world->unbounded + k, 1, &far))
+            return true;
+    return false;
+}
+
+static void blocked_by_stream(const struct plan *p, struct scratch *s, const struct rays *r,
+                              const double *far, struct blocker *last, uint64_t *barrier)
+{
+    const struct bvh *tree = &p->geometry->space[0].tree;
+    struct meeting by;
+    struct flock f = { .search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
+                                   .best = &by },
+                       .rays = r, .barrier = barrier, .last = last };
+
+    s->counts.shadow_rays += (unsigned)r->n;
+    memcpy(f.far, far, (size_t)r->n * sizeof *far);
+    stream_aim(s->stream, tree, r, far);
+    for (int i = 0; i < r->n; i++) {
+        bool is_blocked = blocked_by_unbounded(&f, i);
+        barrier[i] = is_blocked ? BARRIER_OPAQUE : p->has_transparency ? BARRIER_ANY : 0;
+        if (is_blocked)
+            stream_end(s->stream, i);
+    }
+    stream_walk(s->stream, tree, false, flock_blocked, &f, &s->counts.box_tests);
+}
+
+static void blocked_by_streams(const struct plan *p, struct scratch *s, const struct rays *rays,
+                               const double *far, struct blocker *last, uint64_t *barrier)
+{
+    for (int at = 0; at < rays->n; at += STREAM) {
+        struct rays some = rays_from(rays, at, STREAM);
+        blocked_by_stream(p, s, &some, far + at, last, barrier + at);
+    }
 }
 
 static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *rays,
@@ -736,7 +861,7 @@ static void blocked_by_beams(const struct plan *p, struct scratch *s, const stru
         struct rays some = rays_from(rays, at, next_group(pace, rays->n - at, &is_beam));
         n = some.n;
         if (!is_beam) {
-            blocked_by_each(p, s, &some, far + at, light, barrier + at);
+            blocked_by_streams(p, s, &some, far + at, last, barrier + at);
         } else if (beam(&p->geometry->space[0], s, &some, far + at, &c)) {
             beam_went_well(pace, n, c.few->n);
             c.list = p->has_transparency && c.clear ? keep_list(s, c.few) : 0;
@@ -760,7 +885,7 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
     else if (world->candidate)
         blocked_by_beams(p, s, rays, far, light, last, barrier);
     else
-        blocked_by_each(p, s, rays, far, light, barrier);
+        blocked_by_streams(p, s, rays, far, last, barrier);
 }
 
 /* --- crossings ------------------------------------------------------------- */

@@ -25,10 +25,26 @@ INLINE lanes lanes_mul(lanes a, lanes b) { return _mm256_mul_ps(a, b); }
 INLINE lanes lanes_max(lanes a, lanes b) { return _mm256_max_ps(a, b); }
 INLINE lanes lanes_min(lanes a, lanes b) { return _mm256_min_ps(a, b); }
 
+/* a * b - c, rounded once or twice. */
+INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c)
+{
+#ifdef __FMA__
+    return _mm256_fmsub_ps(a, b, c);
+#else
+    return _mm256_sub_ps(_mm256_mul_ps(a, b), c);
+#endif
+}
+
 /* Bit i: a[i] <= b[i]. */
 INLINE unsigned lanes_not_above(lanes a, lanes b)
 {
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ));
+}
+
+/* yes where a <= b, no elsewhere. */
+INLINE lanes lanes_where_not_above(lanes a, lanes b, lanes yes, lanes no)
+{
+    return _mm256_blendv_ps(no, yes, _mm256_cmp_ps(a, b, _CMP_LE_OQ));
 }
 
 #elif defined __SSE2__
@@ -54,6 +70,17 @@ INLINE lanes lanes_mul(lanes a, lanes b) { return LANES_BOTH(_mm_mul_ps); }
 INLINE lanes lanes_max(lanes a, lanes b) { return LANES_BOTH(_mm_max_ps); }
 INLINE lanes lanes_min(lanes a, lanes b) { return LANES_BOTH(_mm_min_ps); }
 #undef LANES_BOTH
+INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { return lanes_sub(lanes_mul(a, b), c); }
+
+INLINE __m128 lanes_half_where(__m128 which, __m128 yes, __m128 no)
+{
+    return _mm_or_ps(_mm_and_ps(which, yes), _mm_andnot_ps(which, no));
+}
+INLINE lanes lanes_where_not_above(lanes a, lanes b, lanes yes, lanes no)
+{
+    return (lanes) { lanes_half_where(_mm_cmple_ps(a.a, b.a), yes.a, no.a),
+                     lanes_half_where(_mm_cmple_ps(a.b, b.b), yes.b, no.b) };
+}
 
 INLINE unsigned lanes_not_above(lanes a, lanes b)
 {
@@ -78,6 +105,11 @@ INLINE lanes lanes_sub(lanes a, lanes b) { LANES_EACH(a.a[i] - b.a[i]); }
 INLINE lanes lanes_mul(lanes a, lanes b) { LANES_EACH(a.a[i] * b.a[i]); }
 INLINE lanes lanes_max(lanes a, lanes b) { LANES_EACH(a.a[i] > b.a[i] ? a.a[i] : b.a[i]); }
 INLINE lanes lanes_min(lanes a, lanes b) { LANES_EACH(a.a[i] < b.a[i] ? a.a[i] : b.a[i]); }
+INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { LANES_EACH(a.a[i] * b.a[i] - c.a[i]); }
+INLINE lanes lanes_where_not_above(lanes a, lanes b, lanes yes, lanes no)
+{
+    LANES_EACH(a.a[i] <= b.a[i] ? yes.a[i] : no.a[i]);
+}
 #undef LANES_EACH
 
 INLINE void lanes_store(float to[LANES], lanes a)
