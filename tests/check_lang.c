@@ -235,31 +235,51 @@ START_TEST(test_files_outside_are_refused)
 }
 END_TEST
 
-/* The tree as --dump=ast prints it. */
-static char *tree_of(const char *text)
-{
-    char path[] = "/tmp/check_lang_XXXXXX", *dump;
-    FILE *f = fdopen(mkstemp(path), "w");
+/* A text as the language sees it. */
+struct reading {
     struct arena mem;
     struct sources sources;
     struct diag diag;
-    struct limits limits = LIMITS_DEFAULT;
-    size_t n;
+    struct limits limits;
+    struct lang *lang;
+    char path[32];
+};
+
+static void reading_start(struct reading *r, const char *text)
+{
+    strcpy(r->path, "/tmp/check_lang_XXXXXX");
+    FILE *f = fdopen(mkstemp(r->path), "w");
 
     fputs(text, f);
     fclose(f);
-    arena_init(&mem, NULL);
-    sources_init(&sources, &mem);
-    diag_init(&diag, &sources, stderr);
-    struct lang_setup setup = { .mem = &mem, .scene_mem = &mem, .sources = &sources,
-                                .diag = &diag, .limits = &limits };
-    struct lang *l = lang_new(&setup);
-    f = open_memstream(&dump, &n);
-    lang_dump_ast(l, lang_parse(l, path), f);
+    r->limits = (struct limits) LIMITS_DEFAULT;
+    arena_init(&r->mem, NULL);
+    sources_init(&r->sources, &r->mem);
+    diag_init(&r->diag, &r->sources, stderr);
+    struct lang_setup setup = { .mem = &r->mem, .scene_mem = &r->mem, .sources = &r->sources,
+                                .diag = &r->diag, .limits = &r->limits };
+    r->lang = lang_new(&setup);
+}
+
+static void reading_end(struct reading *r)
+{
+    unlink(r->path);
+    lang_free(r->lang);
+    arena_free(&r->mem);
+}
+
+/* The tree as --dump=ast prints it. */
+static char *tree_of(const char *text)
+{
+    struct reading r;
+    char *dump;
+    size_t n;
+    FILE *f = open_memstream(&dump, &n);
+
+    reading_start(&r, text);
+    lang_dump_ast(r.lang, lang_parse(r.lang, r.path), f);
     fclose(f);
-    unlink(path);
-    lang_free(l);
-    arena_free(&mem);
+    reading_end(&r);
     return dump;
 }
 
@@ -295,6 +315,26 @@ START_TEST(test_a_plain_block_is_what_the_grammar_makes_of_it)
 }
 END_TEST
 
+START_TEST(test_equal_looks_are_kept_once)
+{
+    struct reading r;
+
+    reading_start(&r, "#version 3.7; global_settings { assumed_gamma 1 }"
+                  "#macro Ball(I, C) sphere { I*x, 1 pigment { rgb C } finish { ambient 1 } } #end "
+                  "Ball(0, 1) Ball(1, 1) Ball(2, 0.5) "
+                  "sphere { 0, 1 texture { pigment { rgb 1 } finish { ambient 1 } } } "
+                  "object { Ball(3, 1) scale 2 } object { Ball(3, 1) scale 3 }");
+    const struct scene *s = lang_read(r.lang, r.path);
+    ck_assert_uint_eq(s->n_object, 6);
+    ck_assert_ptr_eq(s->object[0]->texture, s->object[1]->texture);
+    ck_assert_ptr_eq(s->object[0]->texture, s->object[3]->texture);
+    ck_assert_ptr_ne(s->object[0]->texture, s->object[2]->texture);
+    ck_assert_ptr_ne(s->object[4]->texture, s->object[5]->texture);
+    ck_assert_float_eq(s->object[2]->texture->pigment->colour.r, 0.5f);
+    reading_end(&r);
+}
+END_TEST
+
 static Suite *lang_suite(void)
 {
     Suite *s = suite_create("lang");
@@ -310,6 +350,7 @@ static Suite *lang_suite(void)
     tcase_add_test(t, test_a_run_of_constants_is_a_list_of_numbers);
     tcase_add_test(t, test_what_is_skipped_may_be_anything);
     tcase_add_test(t, test_a_plain_block_is_what_the_grammar_makes_of_it);
+    tcase_add_test(t, test_equal_looks_are_kept_once);
     tcase_add_test(t, test_functions_freeze_numbers);
     tcase_add_test(t, test_random_streams_are_those_of_povray);
     tcase_add_test(t, test_one_mistake_is_one_message);

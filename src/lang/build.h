@@ -6,6 +6,7 @@
 #ifndef RTC_BUILD_H
 #define RTC_BUILD_H
 
+#include "base/intern.h"
 #include "lang/state.h"
 #include "scene/atmosphere.h"
 
@@ -38,6 +39,8 @@ void build_end(struct lang *l);
 struct cached_image;
 
 struct build {
+    struct intern plain, look;          /* pigments of one colour, textures of one layer */
+    struct intern finish;
     const struct texture *texture;      /* #default { } */
     struct camera_words camera;
     struct camera solved;               /* of the last camera statement */

@@ -157,7 +157,7 @@ const struct finish *build_finish(struct lang *l, const struct item *block,
 
     reader_open(&r, l, block->body);
     const struct finish *declared = build_start(&r, VALUE_FINISH);
-    struct finish *f = arena_copy(l->scene_mem, declared ? declared : from, sizeof *f);
+    struct finish made, *f = memcpy(&made, declared ? declared : from, sizeof made);
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
         warn_old(l, &i);
         if (!read_special(&r, &i, f, &albedo) && !build_from_table(&r, finish_fields, &i, f))
@@ -166,7 +166,7 @@ const struct finish *build_finish(struct lang *l, const struct item *block,
     reader_close(&r);
     check_roughness(l, block, f);
     apply_albedo(f, &albedo);
-    return f;
+    return intern_copy(&build_of(l)->finish, l->scene_mem, f, sizeof *f);
 }
 
 bool make_finish(struct lang *l, const struct item *block, struct value *out)

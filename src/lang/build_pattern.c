@@ -178,10 +178,15 @@ const struct field pattern_fields[] = {
 
 struct patterned patterned_new(enum value_type of)
 {
-    return (struct patterned) {
-        .of = of, .use = pigment_default.pattern, .place = transform_identity, .amount = 0.5,
-        .accuracy = 0.02,
-    };
+    struct patterned p;
+
+    memset(&p, 0, sizeof p);            /* equal ones are found by their bytes */
+    p.of = of;
+    p.use = pigment_default.pattern;
+    p.place = transform_identity;
+    p.amount = 0.5;
+    p.accuracy = 0.02;
+    return p;
 }
 
 bool patterned_starts(const struct item *i)

@@ -39,7 +39,7 @@ static enum pigment_kind kind_of(const struct patterned *p)
     return PIGMENT_COLOUR;
 }
 
-static const struct pigment *to_pigment(struct lang *l, const struct patterned *p)
+static const struct pigment *new_pigment(struct lang *l, const struct patterned *p, const void *said)
 {
     struct pigment *pigment = arena_copy(l->scene_mem, &pigment_default, sizeof *pigment);
 
@@ -53,7 +53,7 @@ static const struct pigment *to_pigment(struct lang *l, const struct patterned *
     pigment->image = p->image;
     pigment->place = p->place;
     pigment->uv_mapping = p->uv_mapping;
-    pigment->said = arena_copy(l->scene_mem, p, sizeof *p);
+    pigment->said = said;
     pigment->unsupported = p->unsupported;
     if (pigment->kind != PIGMENT_COLOUR_MAP && pigment->kind != PIGMENT_PIGMENT_MAP)
         pigment->pattern.ops = NULL;
@@ -64,6 +64,18 @@ static const struct pigment *to_pigment(struct lang *l, const struct patterned *
         pigment->colour = mean_colour(&p->map);
     }
     return pigment;
+}
+
+/* One that is no more than a colour may be said of thousands of objects. */
+static const struct pigment *to_pigment(struct lang *l, struct patterned *p)
+{
+    if (p->kind != PATTERNED_COLOUR || !p->place.is_identity)
+        return new_pigment(l, p, arena_copy(l->scene_mem, p, sizeof *p));
+    memcpy(&p->place, &transform_identity, sizeof p->place);    /* padding too */
+    struct intern_slot *one = intern_slot(&build_of(l)->plain, l->scene_mem, p, sizeof *p);
+    if (!one->value)
+        one->value = new_pigment(l, p, one->key);
+    return one->value;
 }
 
 static const struct pigment *read_pigment(struct reader *r, const struct item *block,

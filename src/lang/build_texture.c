@@ -31,6 +31,29 @@ static const struct texture *copy_layers(struct lang *l, const struct texture *f
     return bottom;
 }
 
+/* Layers to be changed.  Thousands of objects may say the same of their one layer:
+ * it is made in single, on the caller's stack, and kept once; then NULL. */
+static const struct texture *begin_layers(struct lang *l, const struct texture *from,
+                                          struct texture *single, struct texture **top)
+{
+    if (from->above)
+        return copy_layers(l, from, top);
+    memcpy(single, from, sizeof *single);       /* padding too */
+    *top = single;
+    return NULL;
+}
+
+static const struct texture *end_layers(struct lang *l, const struct texture *bottom,
+                                        struct texture *single)
+{
+    if (bottom)
+        return bottom;
+    if (!single->place.is_identity)
+        return copy(l, single);
+    memcpy(&single->place, &transform_identity, sizeof single->place);  /* padding too */
+    return intern_copy(&build_of(l)->look, l->scene_mem, single, sizeof *single);
+}
+
 const struct texture *texture_over(struct lang *l, struct loc at, const struct texture *below,
                                    const struct texture *above)
 {
@@ -108,7 +131,7 @@ static void settle(struct lang *l, struct texture *t)
 
 bool build_look(struct lang *l, const struct item *i, const struct texture **layers)
 {
-    struct texture *top;
+    struct texture single, *top;
 
     if (!is_look(i))
         return false;
@@ -120,10 +143,10 @@ bool build_look(struct lang *l, const struct item *i, const struct texture **lay
         change(l, i, &spare);
         return true;
     }
-    const struct texture *bottom = copy_layers(l, *layers, &top);
+    const struct texture *bottom = begin_layers(l, *layers, &single, &top);
     settle(l, top);
     change(l, i, top);
-    *layers = bottom;
+    *layers = end_layers(l, bottom, &single);
     return true;
 }
 
@@ -182,12 +205,12 @@ static const struct texture *only_moved(struct reader *r, const struct texture *
 static const struct texture *plain(struct reader *r, const struct texture *from)
 {
     const struct field *const tables[] = { texture_words, transform_fields, NULL };
-    struct texture *top;
+    struct texture single, *top;
     struct transform move;
 
     if (reader_peek(r)->kind == ITEM_END)
         return from;                    /* thousands of objects may share it */
-    const struct texture *bottom = copy_layers(r->lang, from, &top);
+    const struct texture *bottom = begin_layers(r->lang, from, &single, &top);
     while (take_identifiers(r, top))
         continue;
     for (struct item i = reader_next(r); i.kind != ITEM_END; i = reader_next(r)) {
@@ -195,13 +218,14 @@ static const struct texture *plain(struct reader *r, const struct texture *from)
             settle(r->lang, top);
             change(r->lang, &i, top);
         } else if (build_transform(r, &i, &move)) {
-            for (struct texture *t = (struct texture *)bottom; t; t = (struct texture *)t->above)
+            for (struct texture *t = bottom ? (struct texture *)bottom : top; t;
+                 t = (struct texture *)t->above)
                 if (!t->uv_mapping)
                     t->place = transform_compose(&move, &t->place);
         } else if (i.kind != ITEM_WORD || !item_is(&i, "no_bump_scale"))
             build_unknown(r->lang, &i, "texture", tables);
     }
-    return bottom;
+    return end_layers(r->lang, bottom, &single);
 }
 
 static const struct texture *patterned(struct reader *r, const struct item *block)

@@ -2,7 +2,7 @@
 #ifndef RTC_SHADER_H
 #define RTC_SHADER_H
 
-#include "trace/intern.h"
+#include "base/intern.h"
 #include "trace/light.h"
 #include "trace/plan.h"
 #include "trace/program.h"
@@ -17,6 +17,7 @@ struct shader {
     bool has_fading;                    /* some interior dims light on its way */
     bool has_double;                    /* some surface is lit on both sides */
     size_t room_surface;
+    struct intern finish;               /* its address to its gloss */
     struct intern gloss, plain, program, group, surface;    /* content to the one copy of it */
     size_t n_program;
 };

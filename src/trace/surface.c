@@ -21,12 +21,13 @@ static bool is_plain(const struct texture *t)
 static const struct gloss *gloss_of(struct plan *p, const struct finish *f)
 {
     struct shader *s = shader_of(p);
-    const struct gloss *g = gloss_new(p->mem, &p->scene->settings, f);
-    const void **one = intern_at(&s->gloss, p->mem, g, sizeof *g);
+    const void **known = intern_at(&s->finish, p->mem, &f, sizeof f);
 
-    if (!*one)
-        *one = g;
-    return *one;
+    if (!*known) {
+        const struct gloss *g = gloss_new(p->mem, &p->scene->settings, f);
+        *known = intern_copy(&s->gloss, p->mem, g, sizeof *g);
+    }
+    return *known;
 }
 
 /* Surfaces with one colour and the same gloss are shaded together, but for

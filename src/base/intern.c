@@ -1,16 +1,21 @@
 /* intern.c: equal bytes, equal value. */
-#include "trace/intern.h"
+#include "base/intern.h"
 
 #include <stdint.h>
 #include <string.h>
 
-/* FNV-1a */
+/* FNV-1a with words of eight bytes, whose upper bits are brought down. */
 static uint64_t hash_of(const unsigned char *key, size_t size)
 {
-    uint64_t h = 0xcbf29ce484222325;
+    uint64_t h = 0xcbf29ce484222325, word = 0;
 
-    for (size_t i = 0; i < size; i++)
-        h = (h ^ key[i]) * 0x100000001b3;
+    for (; size >= sizeof word; key += sizeof word, size -= sizeof word) {
+        memcpy(&word, key, sizeof word);
+        h = (h ^ word) * 0x9e3779b97f4a7c15;
+        h ^= h >> 32;
+    }
+    for (; size > 0; key++, size--)
+        h = (h ^ *key) * 0x100000001b3;
     return h ^ h >> 32;
 }
 
@@ -34,7 +39,7 @@ static void grow(struct intern *t, struct arena *mem, size_t size)
             *find(t, old.slot[i].key, size) = old.slot[i];
 }
 
-const void **intern_at(struct intern *t, struct arena *mem, const void *key, size_t size)
+struct intern_slot *intern_slot(struct intern *t, struct arena *mem, const void *key, size_t size)
 {
     if (t->n * 2 >= t->room)
         grow(t, mem, size);
@@ -43,5 +48,15 @@ const void **intern_at(struct intern *t, struct arena *mem, const void *key, siz
         s->key = arena_copy(mem, key, size);
         t->n++;
     }
-    return &s->value;
+    return s;
+}
+
+const void **intern_at(struct intern *t, struct arena *mem, const void *key, size_t size)
+{
+    return &intern_slot(t, mem, key, size)->value;
+}
+
+const void *intern_copy(struct intern *t, struct arena *mem, const void *key, size_t size)
+{
+    return intern_slot(t, mem, key, size)->key;
 }
