@@ -1062,13 +1062,20 @@ START_TEST(test_members_of_a_union_may_hide_unless_it_is_whole)
 }
 END_TEST
 
-START_TEST(test_crossings_come_in_order_however_many)
+static struct texture *glass(float transmit)
 {
     struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
     struct pigment *g = arena_copy(&mem, t->pigment, sizeof *g);
 
-    g->colour.t = 0.5f;
+    g->colour.t = transmit;
     t->pigment = g;
+    return t;
+}
+
+START_TEST(test_crossings_come_in_order_however_many)
+{
+    struct texture *t = glass(0.5f);
+
     for (int i = 0; i < 500; i++) {
         struct object *o = sphere(vec(0, 0, uniform(0, 10)), 0.3);
         o->texture = t;
@@ -1077,10 +1084,51 @@ START_TEST(test_crossings_come_in_order_however_many)
     struct plan *p = plan();
     struct scratch *s = scratch_new(p, &mem);
     struct seen seen = { 0, 0 };
-    geometry_crossings(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, BARRIER_ANY, count_in_order,
+    geometry_crossings(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, 0, BARRIER_ANY, count_in_order,
                        &seen);
     ck_assert_int_eq(seen.n, 1000);
     ck_assert(!geometry_blocked(p, s, (struct ray) { vec(0, .1, -5), vec(0, 0, 1) }, INFINITY, 0));
+}
+END_TEST
+
+struct tallied { const struct plan *plan; unsigned count[PLAN_TALLIES]; };
+
+static bool tally_one(void *arg, const struct meeting *m)
+{
+    struct tallied *t = arg;
+
+    t->count[t->plan->surface[t->plan->leaf[m->leaf].surface].tally]++;
+    return true;
+}
+
+START_TEST(test_tallies_are_the_crossings_counted)
+{
+    struct texture *look[] = { glass(0.5f), glass(0.25f), glass(0) };
+    int n_open = 0, n_crossed = 0;
+
+    for (int i = 0; i < 120; i++) {
+        struct object *o = below(4) ? random_shape(3, 1) : random_csg(1);
+        o->texture = look[below(10) ? below(2) : 2];
+        scene_add(&scene, o);
+    }
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    ck_assert_int_eq(p->n_tally, 2);
+    for (int i = 0; i < 5000; i++) {
+        struct ray ray = random_ray(4, 2);
+        struct tallied t = { p, { 0 } };
+        unsigned count[PLAN_TALLIES];
+        double far = uniform(0, 2);
+        bool is_open = geometry_crossings(p, s, ray, far, 0, BARRIER_ANY, tally_one, &t);
+        ck_assert_int_eq(is_open, !geometry_blocked(p, s, ray, far, 0));
+        ck_assert_int_eq(is_open, geometry_tally(p, s, ray, far, 0, BARRIER_ANY, count));
+        n_open += is_open;
+        if (!is_open)
+            continue;
+        ck_assert(count[0] == t.count[0] && count[1] == t.count[1]);
+        n_crossed += count[0] > 0 && count[1] > 0;
+    }
+    ck_assert(n_open > 1000 && n_open < 4500 && n_crossed > 300);
 }
 END_TEST
 
@@ -1191,6 +1239,7 @@ int main(void)
     tcase_add_test(tc, test_merged_solids_that_touch_are_one);
     tcase_add_test(tc, test_members_of_a_union_may_hide_unless_it_is_whole);
     tcase_add_test(tc, test_crossings_come_in_order_however_many);
+    tcase_add_test(tc, test_tallies_are_the_crossings_counted);
     tcase_add_test(tc, test_a_ray_leaves_and_enters_glass_walls_of_any_thickness);
     tcase_add_test(tc, test_clipping_leaves_a_shell_without_a_cap);
     tcase_add_test(tc, test_patches_in_an_intersection_count_where_the_others_are);

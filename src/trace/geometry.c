@@ -140,6 +140,8 @@ struct search {
     double far;                         /* all of it: t < far */
     struct meeting *best;               /* its t is the far that is left */
     /* for crossings only */
+    bool asks_opaque;                   /* what is opaque ends the search */
+    unsigned *tally;                    /* where crossings are counted, not kept; or NULL */
     double after_t;
     uint64_t after;                     /* rank of the last one that was visited */
     size_t n_crossing;
@@ -811,16 +813,21 @@ static void blocked_by_stream(const struct plan *p, struct scratch *s, const str
     stream_aim(s->stream, tree, r, far);
     for (int i = 0; i < r->n; i++) {
         bool is_blocked = blocked_by_unbounded(&f, i);
-        barrier[i] = is_blocked ? BARRIER_OPAQUE : p->has_transparency ? BARRIER_ANY : 0;
+        barrier[i] = is_blocked ? BARRIER_OPAQUE : 0;
         if (is_blocked)
             stream_end(s->stream, i);
     }
     stream_walk(s->stream, tree, false, flock_blocked, &f, &s->counts.box_tests);
 }
 
+/* Where light may be filtered, all is asked at once, later. */
 static void blocked_by_streams(const struct plan *p, struct scratch *s, const struct rays *rays,
                                const double *far, struct blocker *last, uint64_t *barrier)
 {
+    for (int i = 0; i < rays->n && p->has_transparency; i++)
+        barrier[i] = BARRIER_ANY;
+    if (p->has_transparency)
+        return;
     for (int at = 0; at < rays->n; at += STREAM) {
         struct rays some = rays_from(rays, at, STREAM);
         blocked_by_stream(p, s, &some, far + at, last, barrier + at);
@@ -843,7 +850,7 @@ static void blocked_by_few(const struct plan *p, struct scratch *s, const struct
 static uint64_t keep_list(struct scratch *s, const struct few *few)
 {
     if (s->n_list == MOST_LISTS)
-        return BARRIER_ANY;
+        return BARRIER_CLEAR;
     memcpy(s->list[s->n_list], few->item, (size_t)few->n * sizeof few->item[0]);
     return (uint64_t)++s->n_list << FEW;
 }
@@ -913,24 +920,39 @@ static void keep(struct search *s, const struct hit *h, uint32_t leaf)
     m[at] = (struct meeting) { h->t, *h, leaf, s->instance, s->plan->leaf[leaf].inverse };
 }
 
+/* Crossings of the leaf, which let light through. */
+static int clear_hits(struct search *s, const struct leaf *l, struct hit hit[])
+{
+    struct ray ray = leaf_ray(l, s->ray);
+    int n;
+
+    s->s->counts.leaf_tests++;
+    if (l->ops)
+        return l->ops->hits(l->shape, ray, hit);
+    n = mesh_hits(l->mesh, ray, nextafter(s->after_t, -INFINITY), s->far, hit, MOST_CROSSINGS,
+                  &s->s->counts.box_tests);
+    s->is_full |= n == MOST_CROSSINGS;
+    return n;
+}
+
+static bool is_between(const struct search *s, double t) { return t > 0 && t < s->far; }
+
 static void keep_leaf(struct search *s, uint32_t number)
 {
     const struct leaf *l = &s->plan->leaf[number];
     struct hit hit[SHAPE_MOST_HITS];
-    struct ray ray = leaf_ray(l, s->ray);
-    int n;
 
     if (!(l->mask & RAY_SHADOW) || is_opaque(s, l))
         return;
-    s->s->counts.leaf_tests++;
-    if (l->ops)
-        n = l->ops->hits(l->shape, ray, hit);
-    else
-        n = mesh_hits(l->mesh, ray, nextafter(s->after_t, -INFINITY), s->far, hit,
-                      MOST_CROSSINGS, &s->s->counts.box_tests);
-    s->is_full |= !l->ops && n == MOST_CROSSINGS;
+    int n = clear_hits(s, l, hit);
+    if (s->tally) {
+        unsigned *count = &s->tally[s->plan->surface[surface_of_leaf(s, l)].tally];
+        for (int i = 0; i < n; i++)
+            *count += is_between(s, hit[i].t);
+        return;
+    }
     for (int i = 0; i < n; i++)
-        if (hit[i].t > 0 && hit[i].t < s->far)
+        if (is_between(s, hit[i].t))
             keep(s, &hit[i], number);
 }
 
@@ -939,21 +961,43 @@ static bool keep_event(void *arg, const struct csg_event *e)
     struct csg_search *c = arg;
     uint32_t leaf = c->csg->part[e->part].leaf;
 
-    if (!is_opaque(c->search, &c->search->plan->leaf[leaf]))
+    const struct leaf *l = &c->search->plan->leaf[leaf];
+
+    if (is_opaque(c->search, l))
+        return c->search->asks_opaque;
+    if (c->search->tally)
+        c->search->tally[c->search->plan->surface[surface_of_leaf(c->search, l)].tally]++;
+    else
         keep(c->search, &e->hit, leaf);
     return false;
 }
 
-static void keep_csg(struct search *s, uint32_t number)
+static bool keep_csg(struct search *s, uint32_t number)
 {
     const struct csg *c = &s->plan->geometry->csg[number];
 
     s->s->counts.csg_tests++;
-    if (c->mask & RAY_SHADOW)
-        csg_sweep(c, &s->s->csg, s->ray, s->far, keep_event, &(struct csg_search) { s, c });
+    return (c->mask & RAY_SHADOW)
+           && csg_sweep(c, &s->s->csg, s->ray, s->far, keep_event, &(struct csg_search) { s, c });
 }
 
-static void keep_instance(struct search *s, uint32_t number);
+static bool keep_instance(struct search *s, uint32_t number);
+
+/* True: opaque, and that was asked. */
+INLINE bool keep_item(struct search *s, uint32_t item)
+{
+    uint32_t number = item_number(item);
+
+    switch (item_kind(item)) {
+    case ITEM_CSG:      return keep_csg(s, number);
+    case ITEM_INSTANCE: return keep_instance(s, number);
+    case ITEM_LEAF:     break;
+    }
+    if (s->asks_opaque && blocks_leaf(s, number))
+        return true;
+    keep_leaf(s, number);
+    return false;
+}
 
 INLINE bool visit_crossings(void *arg, const uint32_t item[], uint32_t bits, double *far)
 {
@@ -961,55 +1005,89 @@ INLINE bool visit_crossings(void *arg, const uint32_t item[], uint32_t bits, dou
 
     (void)far;
     for (; bits; bits &= bits - 1) {
-        uint32_t one = item[__builtin_ctz(bits)], number = item_number(one);
-        switch (item_kind(one)) {
-        case ITEM_LEAF:     keep_leaf(s, number); break;
-        case ITEM_CSG:      keep_csg(s, number); break;
-        case ITEM_INSTANCE: keep_instance(s, number); break;
-        }
+        uint32_t one = item[__builtin_ctz(bits)];
+        if (!keep_item(s, one))
+            continue;
+        s->best->leaf = one;
+        if (item_kind(one) != ITEM_INSTANCE)
+            s->best->instance = s->instance;
+        return true;
     }
     return false;
 }
 
-static __attribute__((noinline)) void keep_instance(struct search *s, uint32_t number)
+static __attribute__((noinline)) bool keep_instance(struct search *s, uint32_t number)
 {
     if (!(s->plan->instance[number].mask & RAY_SHADOW))
-        return;
+        return false;
     struct search in = search_instance(s, number);
-    search_space(&in, instance_space(s, number), visit_crossings);
+    bool is_blocked = search_space(&in, instance_space(s, number), visit_crossings);
     s->n_crossing = in.n_crossing;
     s->is_full = in.is_full;
+    return is_blocked;
 }
 
-static void search_barrier(struct search *s, const struct space *space, uint64_t barrier)
+static bool search_all(struct search *s, const struct space *space, uint32_t light)
+{
+    struct blocker none = { .is_known = false };
+    struct blocker *last = light < s->s->n_blocker ? &s->s->blocker[light] : &none;
+
+    s->asks_opaque = true;
+    if (still_blocks(s, last))
+        return true;
+    if (!search_space(s, space, visit_crossings))
+        return false;
+    *last = (struct blocker) { s->best->leaf, s->best->instance, NO_BIT, true };
+    return true;
+}
+
+/* True: blocked. */
+static bool search_barrier(struct search *s, const struct space *space, uint32_t light,
+                           uint64_t barrier)
 {
     uint32_t list = (uint32_t)(barrier >> FEW);
     double far = s->far;
 
-    if (barrier & BARRIER_ANY)
-        search_space(s, space, visit_crossings);
-    else
-        visit_crossings(s, list ? s->s->list[list - 1] : space->few->item, (uint32_t)barrier, &far);
+    s->s->counts.shadow_rays++;
+    if (barrier == BARRIER_ANY)
+        return search_all(s, space, light);
+    if (barrier & BARRIER_CLEAR)
+        return search_space(s, space, visit_crossings);
+    return visit_crossings(s, list ? s->s->list[list - 1] : space->few->item, (uint32_t)barrier,
+                           &far);
+}
+
+bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                    uint32_t light, uint64_t barrier, unsigned count[])
+{
+    struct meeting by;
+    struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
+                             .mask = RAY_SHADOW, .far = far, .best = &by, .tally = count };
+
+    memset(count, 0, (size_t)p->n_tally * sizeof *count);
+    return !search_barrier(&search, &p->geometry->space[0], light, barrier);
 }
 
 /* When more were found than could be kept, the search is repeated beyond the
  * last one visited. */
-void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
-                        uint64_t barrier, bool (*visit)(void *arg, const struct meeting *m), void *arg)
+bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                        uint32_t light, uint64_t barrier,
+                        bool (*visit)(void *arg, const struct meeting *m), void *arg)
 {
     double after_t = 0;
     uint64_t after = 0;
     bool more = true;
 
     while (more) {
+        struct meeting by;
         struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
-                                 .mask = RAY_SHADOW, .far = far, .after_t = after_t,
+                                 .mask = RAY_SHADOW, .far = far, .best = &by, .after_t = after_t,
                                  .after = after };
-        s->counts.shadow_rays++;
-        search_barrier(&search, &p->geometry->space[0], barrier);
+        if (search_barrier(&search, &p->geometry->space[0], light, barrier))
+            return false;
         for (size_t i = 0; i < search.n_crossing; i++)
             if (!visit(arg, &s->crossing[i]))
-                return;
+                return true;
         more = search.is_full;
         if (more) {
             const struct meeting *last = &s->crossing[search.n_crossing - 1];
@@ -1017,6 +1095,7 @@ void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
             after = rank(last->instance, last->leaf);
         }
     }
+    return true;
 }
 
 /* --- inside ---------------------------------------------------------------- */

@@ -41,15 +41,22 @@ void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct
  * perhaps things that filter light, for geometry_crossings to look at until
  * the next call of geometry_blocked_many. */
 #define BARRIER_OPAQUE UINT64_MAX
-#define BARRIER_ANY ((uint64_t)1 << 63)     /* nothing is known: look everywhere */
+#define BARRIER_CLEAR ((uint64_t)1 << 63)   /* nothing opaque; else all may be there */
+#define BARRIER_ANY ((uint64_t)1 << 62)     /* nothing is known at all */
 void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct rays *rays,
                            const double *far, uint32_t light, uint64_t *barrier);
 
 /* All meetings with casters that are not opaque, 0 < t < far, nearest first;
- * calls visit for each until it returns false.  barrier: as was said, or BARRIER_ANY. */
-void geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
-                        uint64_t barrier,
+ * calls visit for each until it returns false.  barrier: as was said, or
+ * BARRIER_ANY.  False: something opaque stands in the way of the light. */
+bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                        uint32_t light, uint64_t barrier,
                         bool (*visit)(void *arg, const struct meeting *m), void *arg);
+
+/* The same where plan->n_tally is not 0: how many times it crosses each of
+ * the plan's tallies, in no order. */
+bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                    uint32_t light, uint64_t barrier, unsigned count[]);
 
 /* Solids with an interior that contain p: their surfaces, in order of
  * declaration.  For cameras inside things. */

@@ -52,6 +52,7 @@ struct surface {
     bool wants_uv;                      /* some texture looks at u and v */
     bool is_mixed;                      /* which program shades a point depends on the point */
     bool is_even;                       /* light that comes through is the same all over */
+    uint8_t tally;                      /* of the plan's tallies */
     uint32_t group;                     /* what is shaded together: that of its program */
     const struct program *program, *interior_program;   /* textures as short programs: surface.h */
 };
@@ -63,6 +64,8 @@ struct instance {                       /* one stored tree, placed once more */
     uint32_t surface;                   /* replaces inherited surfaces; NO_LEAF: keeps them */
     uint8_t mask;
 };
+
+enum { PLAN_TALLIES = 16 };
 
 struct plan {
     struct arena *mem;
@@ -79,6 +82,10 @@ struct plan {
     const struct geometry *geometry;    /* trees, CSG roots, infinite leaves: geometry.h */
     const struct shader *shader;        /* lights prepared, what stages run: surface.h */
     bool has_transparency;              /* some caster lets light through */
+    /* Where all that lets light through is even and never fades it, a shadow
+     * depends on no more than how often it crosses each program: these. */
+    const struct program *tally[PLAN_TALLIES];
+    int n_tally;                        /* 0: there is more to it */
     bool has_reflection, has_refraction, has_shadows;
     char *note[64];                     /* what was left out and why, a line each (--explain) */
     size_t n_note;

@@ -143,15 +143,32 @@ static struct ray shadow_ray(const struct shadow_query *q, vec3 direction)
     return (struct ray) { vec_fma(q->point, off, q->normal), direction };
 }
 
-static rgb filtered(struct worker *w, uint32_t inside, struct ray ray, double far,
+/* Programs in their order, whatever the order of the crossings. */
+static rgb tallied(struct worker *w, struct ray ray, double far, uint32_t lamp, uint64_t barrier)
+{
+    unsigned count[PLAN_TALLIES];
+    rgb light = rgb_of(1, 1, 1);
+
+    if (!geometry_tally(w->plan, w->scratch, ray, far, lamp, barrier, count))
+        return rgb_of(0, 0, 0);
+    for (int k = 0; k < w->plan->n_tally; k++) {
+        rgb filter = plain_filter(w->plan->tally[k]);
+        for (unsigned i = 0; i < count[k] && rgb_max(light) > no_light; i++)
+            light = rgb_mul(light, filter);
+    }
+    return light;
+}
+
+static rgb filtered(struct worker *w, uint32_t inside, struct ray ray, double far, uint32_t lamp,
                     uint64_t barrier)
 {
+    if (w->plan->n_tally)
+        return tallied(w, ray, far, lamp, barrier);
     uint32_t kept = w->insides.n;
     struct passing p = { w, ray, { 1, 1, 1 }, inside, 0 };
-
-    geometry_crossings(w->plan, w->scratch, ray, far, barrier, pass, &p);
+    bool is_open = geometry_crossings(w->plan, w->scratch, ray, far, lamp, barrier, pass, &p);
     w->insides.n = kept;
-    return p.light;
+    return is_open ? p.light : rgb_of(0, 0, 0);
 }
 
 static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction, double far)
@@ -160,10 +177,10 @@ static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction,
 
     if (!(far > 0))
         return rgb_of(1, 1, 1);
-    if (geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp))
-        return rgb_of(0, 0, 0);
-    return w->plan->has_transparency ? filtered(w, q->inside, ray, far * nearly, BARRIER_ANY)
-                                     : rgb_of(1, 1, 1);
+    if (w->plan->has_transparency)
+        return filtered(w, q->inside, ray, far * nearly, q->lamp, BARRIER_ANY);
+    return geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp) ? rgb_of(0, 0, 0)
+                                                                             : rgb_of(1, 1, 1);
 }
 
 /* ---- area lights: a grid of samples, looked at where they differ ---- */
@@ -279,11 +296,12 @@ static void put(struct lit *out, int i, rgb c)
     out->b[i] = c.b;
 }
 
-static rgb behind(struct worker *w, const struct shadow_rays *r, int k, uint32_t inside)
+static rgb behind(struct worker *w, const struct shadow_rays *r, int k, uint32_t lamp,
+                  uint32_t inside)
 {
     const struct ray ray = { { r->x[k], r->y[k], r->z[k] }, { r->dx[k], r->dy[k], r->dz[k] } };
 
-    return filtered(w, inside, ray, r->far[k], r->barrier[k]);
+    return filtered(w, inside, ray, r->far[k], lamp, r->barrier[k]);
 }
 
 static void straight_through(struct worker *w, const struct batch *b, const struct beams *beam,
@@ -301,7 +319,7 @@ static void straight_through(struct worker *w, const struct batch *b, const stru
         float open = barrier == 0 ? 1 : 0;
         put(out, at[k], rgb_of(open, open, open));
         if (barrier != 0 && barrier != BARRIER_OPAQUE)
-            put(out, at[k], behind(w, r, k, w->now.inside[b->at.index[at[k]]]));
+            put(out, at[k], behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
     }
 }
 

@@ -251,6 +251,39 @@ static void add_lamps(struct plan *p)
     s->n_lamp = p->n_light;
 }
 
+static int tally_of(struct plan *p, const struct program *program)
+{
+    int k = 0;
+
+    while (k < p->n_tally && p->tally[k] != program)
+        k++;
+    if (k == p->n_tally && k < PLAN_TALLIES)
+        p->tally[p->n_tally++] = program;
+    return k;
+}
+
+/* A mesh may be crossed more often than is found at once. */
+static bool is_clear_mesh(const struct plan *p, const struct leaf *l)
+{
+    return !l->ops && (l->surface == NO_LEAF || !p->surface[l->surface].is_opaque);
+}
+
+static void make_tallies(struct plan *p)
+{
+    bool can = !p->shader->has_fading;
+
+    for (size_t i = 0; i < p->n_surface && can; i++) {
+        struct surface *s = &p->surface[i];
+        int k = s->is_opaque ? 0 : tally_of(p, s->program);
+        can = s->is_opaque || (s->is_even && k < PLAN_TALLIES);
+        s->tally = (uint8_t)k;
+    }
+    for (size_t i = 0; i < p->n_leaf && can && p->n_tally; i++)
+        can = !is_clear_mesh(p, &p->leaf[i]);
+    if (!can)
+        p->n_tally = 0;
+}
+
 static void left_out(struct plan *p, bool used, const char *stage)
 {
     if (!used)
@@ -263,6 +296,7 @@ void shader_build(struct plan *p)
 
     add_lamps(p);
     s->sky = sky_new(p->mem, p->scene);
+    make_tallies(p);
     plan_note(p, "looks: %zu surfaces, %zu texture programs in %u groups that are shaded together",
               p->n_surface, s->n_program, s->n_group);
     plan_note(p, "lights: %zu", s->n_lamp);
