@@ -4,7 +4,8 @@
  * instruction set (Makefile.am: engine variants) and one is picked when the
  * program starts, so fma() and vectors are inlined everywhere and not only in
  * marked loops.  KERNEL before a function says that its loop over restrict
- * arrays is meant to become vector code; -fopt-info-vec tells whether it did. */
+ * arrays is meant to become vector code; tests/check-vectors looks whether it
+ * did, and -fopt-info-vec-missed says why not. */
 #ifndef RTC_KERNEL_H
 #define RTC_KERNEL_H
 

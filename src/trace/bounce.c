@@ -50,9 +50,9 @@ struct corner {
 };
 
 /* As vec_unit_again, to the bit, but for what is far from unit length. */
-KERNEL static void aim(const struct points *restrict p, const struct exits *restrict e,
-                       double *restrict x, double *restrict y, double *restrict z,
-                       double *restrict dx, double *restrict dy, double *restrict dz)
+static void aim(const struct points *restrict p, const struct exits *restrict e,
+                double *restrict x, double *restrict y, double *restrict z,
+                double *restrict dx, double *restrict dy, double *restrict dz)
 {
     for (int k = 0; k < e->n; k++) {
         int i = e->at[k];
