@@ -240,6 +240,13 @@ static int make_picture(struct run *r, const struct scene *scene)
     return status;
 }
 
+/* All that could be said about them was said; they may be larger than the scene. */
+static void forget_texts(struct run *r)
+{
+    arena_free(&r->text);
+    sources_init(&r->sources, &r->text);
+}
+
 static int make_frame(struct run *r)
 {
     struct lang_setup setup = setup_of(r);
@@ -250,6 +257,7 @@ static int make_frame(struct run *r)
     r->limit_reached = lang_limit_reached(r->lang);
     lang_free(r->lang);
     arena_free(&r->tree);
+    forget_texts(r);
     lap(&start, &r->stats.parse, &r->stats.parse_cpu);
     if (r->diag.errors || r->limit_reached)
         return fail(r);
