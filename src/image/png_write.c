@@ -226,15 +226,15 @@ static void encode_row8(struct png_writer *w, const float *pixel)
 {
     uint8_t *out = w->row;
 
-    for (unsigned x = 0; x < w->width; x++, pixel += 4, out += w->channels) {
-        const float *from = pixel;
+    if (w->channels == 3) {
+        tone_table_row(&w->table, w->width, pixel, out);
+        return;
+    }
+    for (unsigned x = 0; x < w->width; x++, pixel += 4, out += 4) {
         float apart[3];
-        if (w->channels == 4) {
-            out[3] = (uint8_t)tone_level(split_alpha(pixel, apart), 255);
-            from = apart;
-        }
+        out[3] = (uint8_t)tone_level(split_alpha(pixel, apart), 255);
         for (int i = 0; i < 3; i++)
-            out[i] = (uint8_t)tone_table_level(&w->table, from[i]);
+            out[i] = (uint8_t)tone_table_level(&w->table, apart[i]);
     }
 }
 

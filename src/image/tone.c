@@ -93,7 +93,8 @@ void tone_table_init(struct tone_table *table, const struct tone *t)
     }
 }
 
-unsigned tone_table_level(const struct tone_table *table, float value)
+/* Few buckets hold more than one limit: the first is not worth a branch. */
+static inline unsigned level_of(const struct tone_table *table, float value)
 {
     unsigned level = 0;
 
@@ -101,7 +102,20 @@ unsigned tone_table_level(const struct tone_table *table, float value)
         return 255;
     if (value >= 0x1p-16f)
         level = table->first[(float_bits(value) >> FRACTION_SHIFT) - first_bucket];
+    level += value >= table->least[level + 1];
     while (value >= table->least[level + 1])
         level++;
     return level;
+}
+
+unsigned tone_table_level(const struct tone_table *table, float value)
+{
+    return level_of(table, value);
+}
+
+void tone_table_row(const struct tone_table *table, unsigned n, const float *pixel, uint8_t *out)
+{
+    for (; n > 0; n--, pixel += 4, out += 3)
+        for (int i = 0; i < 3; i++)
+            out[i] = (uint8_t)level_of(table, pixel[i]);
 }

@@ -23,4 +23,7 @@ struct tone_table {
 void tone_table_init(struct tone_table *table, const struct tone *t);
 unsigned tone_table_level(const struct tone_table *table, float value);
 
+/* Of n pixels: four floats each, of which three become bytes. */
+void tone_table_row(const struct tone_table *table, unsigned n, const float *pixel, uint8_t *out);
+
 #endif

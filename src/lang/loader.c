@@ -175,7 +175,7 @@ static void fill_indexed(struct lang *l, struct image *to, const struct bitmap *
     for (unsigned i = b->n_palette; i < 256; i++)       /* a bad index shows the first colour */
         palette[i] = palette[0];
     to->palette = palette;
-    to->index = arena_copy(l->scene_mem, b->index, (size_t)b->width * b->height);
+    to->index = b->index;
 }
 
 static void fill_bytes(struct lang *l, struct image *to, const struct bitmap *b, struct curve c)
@@ -185,7 +185,7 @@ static void fill_bytes(struct lang *l, struct image *to, const struct bitmap *b,
     for (unsigned i = 0; i < 256; i++)
         level[i] = decode(c, &l->scene->settings, (float)i / 255.0f);
     to->level = level;
-    to->bytes = arena_copy(l->scene_mem, b->pixel8, (size_t)b->width * b->height * 3);
+    to->bytes = b->pixel8;
 }
 
 static void fill_direct(struct lang *l, struct image *to, const struct bitmap *b, struct curve c,
@@ -277,7 +277,7 @@ static const struct image *read_file(struct lang *l, struct loc at, const char *
     const char *error = "the program cannot read pictures";
     struct bitmap b = { 0 };
 
-    if (!l->setup.load_image || !l->setup.load_image(l->mem, path, type, &b, &error)) {
+    if (!l->setup.load_image || !l->setup.load_image(l->scene_mem, path, type, &b, &error)) {
         diag_error(l->diag, at, "picture '%s': %s", path, error);
         return NULL;
     }

@@ -5,6 +5,8 @@
 
 static const double nudge = 1e-10;      /* POV-Ray's: a point on an edge belongs to the next pixel */
 
+const colour picture_outside = { 1, 1, 1, 0, 1 };
+
 /* Around the y axis from +x through +z, as a share of the whole turn. */
 static double turn(double x, double z)
 {
@@ -38,7 +40,7 @@ static bool project(const struct image_use *use, vec3 p, double *u, double *v)
         if (around == 0 || (use->once && beyond_v))
             return false;
         *u = turn(p.x, p.z);
-        *v = fmod(p.y, 1);
+        *v = p.y - trunc(p.y);
         return true;
     case MAP_TOROIDAL: {
         double off = around - 1, l = sqrt(off * off + p.y * p.y);
@@ -52,20 +54,23 @@ static bool project(const struct image_use *use, vec3 p, double *u, double *v)
     default:
         if (use->once && (beyond_v || p.x < 0 || p.x > 1))
             return false;
-        *u = fmod(p.x, 1);
-        *v = fmod(p.y, 1);
+        *u = p.x - trunc(p.x);
+        *v = p.y - trunc(p.y);
         return true;
     }
 }
 
 static double wrap(double a, double size)
 {
-    a = fmod(a, size);
+    if (!(fabs(a) < size))              /* fmod takes long */
+        a = fmod(a, size);
     return a < 0 ? a + size : a;
 }
 
 static int neighbour(int i, int size, bool once)
 {
+    if (i >= 0 && i < size)
+        return i;
     if (once)
         return i < 0 ? 0 : i >= size ? size - 1 : i;
     i %= size;
@@ -134,19 +139,40 @@ static colour between(const struct image_use *use, double x, double y)
                       (float)(sum.f * k), (float)(sum.t * k) };
 }
 
-colour picture_colour(const struct image_use *use, vec3 p)
+/* Pixels from the left and from the top; false: nowhere. */
+static bool find(const struct image_use *use, vec3 p, struct picture_place *at)
 {
-    const colour outside = { 1, 1, 1, 0, 1 };
     double width = use->image->width, height = use->image->height, u, v;
 
     if (!project(use, p, &u, &v))
-        return outside;
+        return false;
     double x = u * width + nudge, y = v * height + nudge;
     if (use->once && (x >= width || y >= height || x < 0 || y < 0))
-        return outside;
-    x = wrap(x, width);
-    y = wrap(-y, height);
+        return false;
+    *at = (struct picture_place) { wrap(x, width), wrap(-y, height) };
+    return true;
+}
+
+bool picture_find(const struct image_use *use, vec3 p, struct picture_place *at)
+{
+    bool is_there = find(use, p, at);
+
+    if (is_there)
+        __builtin_prefetch(image_address(use->image, (size_t)at->y * use->image->width
+                                                         + (size_t)at->x));
+    return is_there;
+}
+
+colour picture_at(const struct image_use *use, const struct picture_place *at)
+{
     if (use->interpolate != INTERPOLATE_NONE)
-        return between(use, x, y);
-    return pixel(use, (int)x, (int)y);
+        return between(use, at->x, at->y);
+    return pixel(use, (int)at->x, (int)at->y);
+}
+
+colour picture_colour(const struct image_use *use, vec3 p)
+{
+    struct picture_place at;
+
+    return find(use, p, &at) ? picture_at(use, &at) : picture_outside;
 }

@@ -32,6 +32,12 @@ static inline colour image_pixel(const struct image *m, size_t i)
     return (colour) { m->level[p[0]], m->level[p[1]], m->level[p[2]], 0, 0 };
 }
 
+/* Where pixel i begins. */
+static inline const void *image_address(const struct image *m, size_t i)
+{
+    return m->pixel ? (const void *)(m->pixel + i) : m->index ? m->index + i : m->bytes + 3 * i;
+}
+
 enum wave_type { WAVE_RAMP, WAVE_TRIANGLE, WAVE_SINE, WAVE_SCALLOP, WAVE_CUBIC, WAVE_POLY };
 
 struct turbulence {

@@ -300,6 +300,11 @@ static bool is_smooth(const struct mesh_face *f)
            && !(f->normal[0] == f->normal[1] && f->normal[0] == f->normal[2]);
 }
 
+bool mesh_is_flat(const struct mesh_tree *t, uint32_t face)
+{
+    return !is_smooth(&t->mesh->face[face]);
+}
+
 vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h)
 {
     const struct mesh *m = t->mesh;

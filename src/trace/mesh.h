@@ -29,6 +29,7 @@ int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far
 bool mesh_has_inside(const struct mesh_tree *t);
 bool mesh_inside(const struct mesh_tree *t, vec3 p);
 vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h);   /* any length */
+bool mesh_is_flat(const struct mesh_tree *t, uint32_t face);    /* one normal for all of it */
 vec2 mesh_uv(const struct mesh_tree *t, const struct hit *h, vec2 otherwise);
 
 #endif

@@ -246,10 +246,14 @@ static void average_pigments(const struct paint *p, const struct spots *s, struc
 static void image_colours(const struct paint *p, const struct spots *s, struct colours *out)
 {
     double x[BATCH], y[BATCH], z[BATCH];
+    struct picture_place at[BATCH];
+    bool is_there[BATCH];
 
     chain_walk(&p->gauge->chain, s, x, y, z);
     for (int i = 0; i < s->n; i++)
-        put(out, i, picture_colour(p->image, vec(x[i], y[i], z[i])));
+        is_there[i] = picture_find(p->image, vec(x[i], y[i], z[i]), &at[i]);
+    for (int i = 0; i < s->n; i++)
+        put(out, i, is_there[i] ? picture_at(p->image, &at[i]) : picture_outside);
 }
 
 void paint_colours(const struct paint *p, const struct spots *s, struct colours *out)

@@ -124,15 +124,47 @@ static void put_normal(struct points *p, int i, vec3 n)
     p->nz[i] = n.z;
 }
 
+/* Neighbours mostly meet the same face, whose normal is the same all over. */
+static void mesh_normals(const struct leaf *l, const struct meeting *m, struct points *p, int i,
+                         int end)
+{
+    uint32_t face = MESH_NONE;
+    vec3 n = { 0, 0, 0 };
+
+    for (; i < end; i++) {
+        const struct hit *h = &m[p->index[i]].hit;
+        if (h->part != face)
+            n = mesh_normal(l->mesh, h);
+        face = mesh_is_flat(l->mesh, h->part) ? h->part : MESH_NONE;
+        put_normal(p, i, n);
+    }
+}
+
+static void shape_normals(const struct leaf *l, const struct meeting *m, struct points *p, int i,
+                          int end)
+{
+    vec3 (*normal)(const void *, vec3, const struct hit *) = l->ops->normal;
+    const void *shape = l->shape;
+
+    for (; i < end; i++)
+        put_normal(p, i, normal(shape, vec(p->x[i], p->y[i], p->z[i]), &m[p->index[i]].hit));
+}
+
+static void turn_over(struct points *p, int i, int end)
+{
+    for (; i < end; i++)
+        put_normal(p, i, vec(-p->nx[i], -p->ny[i], -p->nz[i]));
+}
+
 static void plain_normals(const struct leaf *l, const struct meeting *m, struct points *p, int i,
                           int end)
 {
-    for (; i < end; i++) {
-        const struct hit *h = &m[p->index[i]].hit;
-        vec3 n = l->ops ? l->ops->normal(l->shape, vec(p->x[i], p->y[i], p->z[i]), h)
-                        : mesh_normal(l->mesh, h);
-        put_normal(p, i, l->inverse ? vec_neg(n) : n);
-    }
+    if (l->ops)
+        shape_normals(l, m, p, i, end);
+    else
+        mesh_normals(l, m, p, i, end);
+    if (l->inverse)
+        turn_over(p, i, end);
 }
 
 static void placed_normals(const struct plan *plan, const struct leaf *l, const struct rays *rays,

@@ -391,13 +391,14 @@ static void shade_mixed(struct worker *w, const struct batch *b)
 
 /* ---- from rays that met something ---- */
 
-static void start_batch(struct worker *w, int n, const uint32_t ray[], struct batch *b)
+static void start_batch(struct worker *w, int n, const struct wave_hit hit[], struct batch *b)
 {
     const struct wave *r = &w->now;
     const struct rays rays = { r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
     b->at.n = n;
-    memcpy(b->at.index, ray, (size_t)n * sizeof *ray);
+    for (int i = 0; i < n; i++)
+        b->at.index[i] = hit[i].ray;
     geometry_points(w->plan, &rays, w->meeting, &b->at);
     for (int i = 0; i < whole(n); i++) {
         b->slot[i] = (uint16_t)i;
@@ -411,11 +412,11 @@ static bool is_lit_once(const struct program *p)
     return p->kind == PROGRAM_LAYERS && p->n_layer == 1;
 }
 
-void shade_hits(struct worker *w, int n, const uint32_t ray[])
+void shade_hits(struct worker *w, int n, const struct wave_hit hit[])
 {
     struct batch b;
 
-    start_batch(w, n, ray, &b);
+    start_batch(w, n, hit, &b);
     bool is_mixed = b.at.surface[0]->is_mixed;
     w->shadows.is_kept = is_mixed || !is_lit_once(b.program[0]);
     if (w->shadows.is_kept)

@@ -16,7 +16,7 @@ struct batch {
 
 /* The points where n <= BATCH rays of the wave met something: all of one
  * group, or all of surfaces whose program depends on the point. */
-void shade_hits(struct worker *w, int n, const uint32_t ray[]);
+void shade_hits(struct worker *w, int n, const struct wave_hit hit[]);
 
 /* What a layer reflects, kept until it is known whether the ray gets through at all. */
 struct mirror_layer {

@@ -119,7 +119,7 @@ static void sort_by_counting(struct worker *w, int n)
     for (uint32_t g = 0; g < n_group; g++)
         w->start[g + 1] += w->start[g];
     for (int i = 0; i < n; i++)
-        w->order[w->start[w->hit[i].group]++] = w->hit[i].ray;
+        w->order[w->start[w->hit[i].group]++] = w->hit[i];
 }
 
 static int by_group(const void *a, const void *b)
@@ -137,21 +137,15 @@ static void sort_hits(struct worker *w, int n)
         sort_by_counting(w, n);
         return;
     }
-    qsort(w->hit, (size_t)n, sizeof *w->hit, by_group);
-    for (int i = 0; i < n; i++)
-        w->order[i] = w->hit[i].ray;
-}
-
-static uint32_t group_at(const struct worker *w, int i)
-{
-    return surface_met(w->plan, &w->meeting[w->order[i]])->group;
+    memcpy(w->order, w->hit, (size_t)n * sizeof *w->hit);
+    qsort(w->order, (size_t)n, sizeof *w->order, by_group);
 }
 
 static void shade_all(struct worker *w, int n)
 {
     for (int i = 0, end; i < n; i = end) {
-        uint32_t group = group_at(w, i);
-        for (end = i + 1; end < n && end - i < BATCH && group_at(w, end) == group;)
+        uint32_t group = w->order[i].group;
+        for (end = i + 1; end < n && end - i < BATCH && w->order[end].group == group;)
             end++;
         shade_hits(w, end - i, w->order + i);
     }

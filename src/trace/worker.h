@@ -19,6 +19,9 @@ struct shadow_rays {
     uint64_t barrier[BATCH];
 };
 
+/* The number of a ray that met something, and of what is shaded together with it. */
+struct wave_hit { uint32_t ray, group; };
+
 struct render_counts { double primary, reflected, refracted; };
 
 struct worker {
@@ -32,8 +35,7 @@ struct worker {
     struct insides insides;
     uint32_t camera_inside, n_camera_inside;    /* the list at a fixed camera; items to keep */
     struct meeting *meeting;            /* of the rays of the wave now; leaf NO_LEAF: none */
-    struct wave_hit { uint32_t ray, group; } *hit;
-    uint32_t *order;                    /* numbers of the rays that met something, by group */
+    struct wave_hit *hit, *order;       /* rays that met something; by group */
     uint32_t *start;                    /* of each group among them */
     int room_hits;
     struct shadows shadows;
