@@ -208,13 +208,35 @@ KERNEL static void half_cosines(int n, const struct view *restrict v,
     }
 }
 
+/* No highlight where no light is. */
+KERNEL static void keep_lit(int n, const struct arrival *restrict a, float *restrict cosine)
+{
+    for (int i = 0; i < whole(n); i++) {
+        float light = most_of(a->r[i], a->g[i], a->b[i]) * a->shine[i];
+        cosine[i] = light > 0 && cosine[i] > 0 ? cosine[i] : 0;
+    }
+}
+
+static bool any_positive(const float *x)
+{
+    float sum = 0;
+
+    for (int i = 0; i < STRIDE; i++)
+        sum += x[i];
+    return sum > 0;
+}
+
 static void add_power(int n, float strength, float exponent, const float *cosine, float *sum)
 {
-    float level[BATCH];
+    float level[STRIDE];
 
-    vmath_pow(whole(n), cosine, exponent, level);
-    for (int i = 0; i < whole(n); i++)
-        sum[i] += strength * level[i];
+    for (int k = 0; k < n; k += STRIDE) {
+        if (!any_positive(cosine + k))
+            continue;
+        vmath_pow(STRIDE, cosine + k, exponent, level);
+        for (int i = 0; i < STRIDE; i++)
+            sum[k + i] += strength * level[i];
+    }
 }
 
 static void highlights(int n, const struct gloss *g, const struct view *v, const struct arrival *a,
@@ -228,14 +250,14 @@ static void highlights(int n, const struct gloss *g, const struct view *v, const
         phong_cosines(n, v, a, cosine);
         for (int i = 0; g->phong_size >= 60 && i < whole(n); i++)
             cosine[i] = cosine[i] <= least ? 0 : cosine[i];
+        keep_lit(n, a, cosine);
         add_power(n, g->phong, g->phong_size, cosine, out);
     }
     if (g->specular != 0) {
         half_cosines(n, v, a, cosine);
+        keep_lit(n, a, cosine);
         add_power(n, g->specular, g->shininess, cosine, out);
     }
-    for (int i = 0; i < whole(n); i++)
-        out[i] *= a->shine[i];
 }
 
 /* How much a metal keeps of its colour at this angle: 2.4, step 5. */

@@ -70,34 +70,33 @@ struct aims {
     unsigned first, end;
     int n;                              /* rays a row */
     double u[WAVE_RAYS], v[WAVE_RAYS];  /* v: of the row that is looked at */
-    double sample_row[WAVE_RAYS];       /* within the pixel */
+    double down[WAVE_RAYS];             /* within the pixel, 0 to 1 */
     uint32_t pixel[WAVE_RAYS];          /* within the row */
 };
 
-KERNEL static void place(int n, double pixel, const double *restrict sample, double side,
-                         double size, double *restrict out)
+KERNEL static void place(int n, double pixel, const double *restrict part, double size,
+                         double *restrict out)
 {
     for (int i = 0; i < n; i++)
-        out[i] = (pixel + (sample[i] + 0.5) / side) / size;
+        out[i] = (pixel + part[i]) / size;
 }
 
 static void plan_rows(struct aims *a)
 {
     const struct render_options *o = a->o;
-    double sample_column[WAVE_RAYS];
+    double across[WAVE_RAYS], side = o->samples_side;
     int n = 0;
 
     for (unsigned k = a->first; k < a->end; k++) {
-        sample_column[k - a->first] = k % o->samples_side;
-        a->sample_row[k - a->first] = k / o->samples_side;
+        across[k - a->first] = (k % o->samples_side + 0.5) / side;
+        a->down[k - a->first] = (k / o->samples_side + 0.5) / side;
     }
     for (unsigned x = 0; x < a->tile->width; x++) {
         int count = (int)(a->end - a->first);
-        place(count, o->crop_x + a->tile->x + x, sample_column, o->samples_side, o->width,
-              a->u + n);
+        place(count, o->crop_x + a->tile->x + x, across, o->width, a->u + n);
         for (int k = 0; k < count; k++, n++) {
             a->pixel[n] = x;
-            a->sample_row[n] = a->sample_row[k];
+            a->down[n] = a->down[k];
         }
     }
     a->n = n;
@@ -156,8 +155,7 @@ static void shoot_row(struct worker *w, struct aims *a, unsigned y)
 {
     uint32_t pixel = y * a->tile->width;
 
-    place(a->n, a->o->crop_y + a->tile->y + y, a->sample_row, a->o->samples_side, a->o->height,
-          a->v);
+    place(a->n, a->o->crop_y + a->tile->y + y, a->down, a->o->height, a->v);
     if (w->lens.kind == CAMERA_PERSPECTIVE)
         shoot_fan(w, a, pixel);
     else

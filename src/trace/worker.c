@@ -108,18 +108,34 @@ static int list_hits(struct worker *w)
     return n;
 }
 
+/* Neighbours mostly belong together. */
+static int run_end(const struct wave_hit *hit, int n, int i)
+{
+    int end = i + 1;
+
+    while (end < n && hit[end].group == hit[i].group)
+        end++;
+    return end;
+}
+
 /* Stable: a pixel's rays keep their order within a group. */
 static void sort_by_counting(struct worker *w, int n)
 {
     uint32_t n_group = w->shader->n_group;
 
     memset(w->start, 0, (n_group + 1) * sizeof *w->start);
-    for (int i = 0; i < n; i++)
-        w->start[w->hit[i].group + 1]++;
+    for (int i = 0, end; i < n; i = end) {
+        end = run_end(w->hit, n, i);
+        w->start[w->hit[i].group + 1] += (uint32_t)(end - i);
+    }
     for (uint32_t g = 0; g < n_group; g++)
         w->start[g + 1] += w->start[g];
-    for (int i = 0; i < n; i++)
-        w->order[w->start[w->hit[i].group]++] = w->hit[i];
+    for (int i = 0, end; i < n; i = end) {
+        end = run_end(w->hit, n, i);
+        memcpy(w->order + w->start[w->hit[i].group], w->hit + i,
+               (size_t)(end - i) * sizeof *w->hit);
+        w->start[w->hit[i].group] += (uint32_t)(end - i);
+    }
 }
 
 static int by_group(const void *a, const void *b)
@@ -144,9 +160,7 @@ static void sort_hits(struct worker *w, int n)
 static void shade_all(struct worker *w, int n)
 {
     for (int i = 0, end; i < n; i = end) {
-        uint32_t group = w->order[i].group;
-        for (end = i + 1; end < n && end - i < BATCH && w->order[end].group == group;)
-            end++;
+        end = run_end(w->order, n < i + BATCH ? n : i + BATCH, i);
         shade_hits(w, end - i, w->order + i);
     }
 }
