@@ -1,8 +1,6 @@
 /* bounce.c: reflected and refracted rays (facts shading.md 2.7, 3.1, 3.3, 3.4). */
 #include "trace/shade.h"
 
-#include <string.h>
-
 #include "math/kernel.h"
 #include "trace/shadow.h"
 
@@ -28,23 +26,21 @@ double fresnel_index(const struct worker *w, uint32_t ray, const struct surface 
 
 /* ---- rays that leave ---- */
 
-/* Rays on their way from a batch to the next wave.  direction = along * d +
- * aside * n, of the ray that came and of the normal. */
+/* New rays of the next wave whose way is not known yet.
+ * direction = along * d + aside * n, of the ray that came and of the normal. */
 struct exits {
     int n;
     uint16_t at[BATCH];                 /* the point */
     double along[BATCH], aside[BATCH];
     double side[BATCH];                 /* of the surface: 1 or -1 */
-    float red[BATCH], green[BATCH], blue[BATCH], alpha[BATCH], adc[BATCH];
-    uint32_t pixel[BATCH], inside[BATCH];
-    uint16_t depth[BATCH];
-    uint8_t mask[BATCH];
 };
 
 struct corner {
     struct worker *w;
     const struct batch *b;
     const struct leaving *l;
+    int max_trace_level;
+    double adc_bailout;
     double cosine[BATCH];               /* of the ray that came and the normal: negative */
     struct exits exits;
 };
@@ -77,66 +73,69 @@ static void leave(struct corner *c)
     struct wave *next = &c->w->next;
     int n = next->n;
 
-    wave_reserve(next, n + e->n);
     aim(&c->b->at, e, next->x + n, next->y + n, next->z + n, next->dx + n, next->dy + n,
         next->dz + n);
-#define COPY(name) memcpy(next->name + n, e->name, (size_t)e->n * sizeof *e->name);
-    COPY(red) COPY(green) COPY(blue) COPY(alpha) COPY(adc)
-    COPY(pixel) COPY(inside) COPY(depth) COPY(mask)
-#undef COPY
     next->n += e->n;
     e->n = 0;
+    wave_reserve(next, next->n + BATCH);
 }
 
-/* One more from point i, of this weight beside what the ray that came had. */
-static int add_exit(struct corner *c, int i, rgb weight, float adc)
+/* One more from point i, of this weight beside what the ray that came had;
+ * its number in the next wave. */
+static int add_exit(struct corner *c, int i, rgb weight, float adc, double along, double aside,
+                    double side)
 {
     const struct wave *now = &c->w->now;
+    struct wave *next = &c->w->next;
     struct exits *e = &c->exits;
 
     if (e->n == BATCH)
         leave(c);
     uint32_t ray = c->b->at.index[i];
     float share = c->b->share[i];
-    int k = e->n++;
+    int k = e->n++, to = next->n + k;
     e->at[k] = (uint16_t)i;
-    e->red[k] = now->red[ray] * share * weight.r;
-    e->green[k] = now->green[ray] * share * weight.g;
-    e->blue[k] = now->blue[ray] * share * weight.b;
-    e->alpha[k] = 0;
-    e->adc[k] = adc;
-    e->pixel[k] = now->pixel[ray];
-    e->inside[k] = now->inside[ray];
-    e->depth[k] = (uint16_t)(now->depth[ray] + 1);
-    e->mask[k] = now->mask[ray];
-    return k;
+    e->along[k] = along;
+    e->aside[k] = aside;
+    e->side[k] = side;
+    next->red[to] = now->red[ray] * share * weight.r;
+    next->green[to] = now->green[ray] * share * weight.g;
+    next->blue[to] = now->blue[ray] * share * weight.b;
+    next->alpha[to] = 0;
+    next->adc[to] = adc;
+    next->pixel[to] = now->pixel[ray];
+    next->inside[to] = now->inside[ray];
+    next->depth[to] = (uint16_t)(now->depth[ray] + 1);
+    next->mask[to] = now->mask[ray];
+    return to;
 }
 
 /* Is a further ray allowed (3.1)?  What is refused is black. */
 static bool is_allowed(const struct corner *c, int i, float adc)
 {
-    const struct settings *s = &c->w->plan->scene->settings;
+    return c->w->now.depth[c->b->at.index[i]] + 1 < c->max_trace_level
+           && (double)adc >= c->adc_bailout;
+}
 
-    return c->w->now.depth[c->b->at.index[i]] + 1 < s->max_trace_level
-           && (double)adc >= s->adc_bailout;
+/* reflection_exponent: what is seen is gathered by itself first. */
+static void branch_off(struct worker *w, int ray, float power)
+{
+    struct wave *next = &w->next;
+    rgb weight = rgb_of(next->red[ray], next->green[ray], next->blue[ray]);
+
+    next->pixel[ray] = film_branch(&w->film, next->pixel[ray], weight, power);
+    next->red[ray] = next->green[ray] = next->blue[ray] = 1;
 }
 
 static void reflect(struct corner *c, int i, rgb share, float adc, float power)
 {
     if (!is_allowed(c, i, adc))
         return;
-    int k = add_exit(c, i, share, adc);
-    struct exits *e = &c->exits;
-    e->along[k] = 1;
-    e->aside[k] = -2 * c->cosine[i];
-    e->side[k] = 1;
-    e->mask[k] = RAY_REFLECTED;
+    int ray = add_exit(c, i, share, adc, 1, -2 * c->cosine[i], 1);
+    c->w->next.mask[ray] = RAY_REFLECTED;
     c->w->counts.reflected++;
-    if (power == 1)
-        return;
-    e->pixel[k] = film_branch(&c->w->film, e->pixel[k],
-                              rgb_of(e->red[k], e->green[k], e->blue[k]), power);
-    e->red[k] = e->green[k] = e->blue[k] = 1;
+    if (power != 1)
+        branch_off(c->w, ray, power);
 }
 
 /* ---- refraction ---- */
@@ -193,16 +192,15 @@ static float largest(rgb c)
 static void refract_one(struct corner *c, int i, rgb weight, float adc, float alpha, double eta,
                         double root, uint32_t behind)
 {
+    struct wave *next = &c->w->next;
     bool is_straight = fabs(eta - 1) < 1e-10;
-    int k = add_exit(c, i, weight, adc);
-    struct exits *e = &c->exits;
+    double along = is_straight ? 1 : eta;
+    double aside = is_straight ? 0 : eta * fabs(c->cosine[i]) - root;
+    int ray = add_exit(c, i, weight, adc, along, aside, -1);
 
-    e->along[k] = is_straight ? 1 : eta;
-    e->aside[k] = is_straight ? 0 : eta * fabs(c->cosine[i]) - root;
-    e->side[k] = -1;
-    e->alpha[k] = alpha;
-    e->inside[k] = behind;
-    e->depth[k] = (uint16_t)(e->depth[k] - is_straight);
+    next->alpha[ray] = alpha;
+    next->inside[ray] = behind;
+    next->depth[ray] = (uint16_t)(next->depth[ray] - is_straight);
     c->w->counts.refracted++;
 }
 
@@ -215,7 +213,7 @@ static bool refract(struct corner *c, int i)
     float adc = now->adc[ray] * largest(filter);
     double eta = cross(c, i, &behind), cosine = c->cosine[i];
     double t = 1 + eta * eta * (cosine * cosine - 1);
-    rgb fade = c->w->shader->has_interior ? faded_on_the_way(c, i) : rgb_of(1, 1, 1);
+    rgb fade = c->w->shader->has_fading ? faded_on_the_way(c, i) : rgb_of(1, 1, 1);
 
     if (t < 0) {
         reflect(c, i, fade, adc, 1);
@@ -256,6 +254,9 @@ void bounce(struct worker *w, const struct batch *b, const struct leaving *l)
     c.b = b;
     c.l = l;
     c.exits.n = 0;
+    c.max_trace_level = w->plan->scene->settings.max_trace_level;
+    c.adc_bailout = w->plan->scene->settings.adc_bailout;
+    wave_reserve(&w->next, w->next.n + BATCH);
     cosines(&b->at, c.cosine);
     for (int i = 0; i < b->at.n; i++) {
         bool is_total = l->trans && l->trans[i] > 0 && refract(&c, i);

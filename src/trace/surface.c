@@ -127,7 +127,7 @@ static void note_use(struct plan *p, const struct surface *s)
     }
     p->has_transparency |= !s->is_opaque;
     shader_of(p)->has_interior |= s->interior != NULL;
-    shader_of(p)->has_fading |= s->interior && s->interior->fade_power > 0;
+    shader_of(p)->has_fading |= s->interior && fabs(s->interior->fade_distance) > 0;
     shader_of(p)->has_double |= s->double_illuminate;
 }
 
