@@ -453,6 +453,35 @@ START_TEST(test_small_spheres_are_met_at_their_very_edge)
 }
 END_TEST
 
+/* Long and thin, short and flat, askew. */
+START_TEST(test_slanted_things_are_met_at_their_very_edge)
+{
+    enum { N = 400 };
+    vec3 on[N];
+
+    for (int i = 0; i < N; i++) {
+        double size = pow(10, uniform(-6, -1)), thin = size * pow(10, uniform(-4, 0));
+        vec3 at = in_cube(1), to = vec_fma(at, size, on_sphere()), half = vec(size, thin, thin / 2);
+        struct transform turn = turned(in_cube(180), at);
+        bool is_tube = i % 2;
+        scene_add(&scene, is_tube ? SHAPE("cylinder", at.x, at.y, at.z, to.x, to.y, to.z, thin)
+                                  : moved(box(vec_neg(half), half), turn));
+        on[i] = is_tube ? at : mat_point(&turn.to, half);
+    }
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    ck_assert_ptr_nonnull(p->geometry->space[0].tree.brick);
+    for (int i = 0; i < 20000; i++) {
+        vec3 from = vec_scale(on_sphere(), pow(10, uniform(0, 4)));
+        vec3 to = vec_fma(on[below(N)], pow(10, uniform(-12, -2)), on_sphere());
+        struct ray ray = { from, vec_sub(to, from) };
+        struct meeting m, b = brute(p, ray, INFINITY);
+        geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m);
+        ck_assert_uint_eq(m.leaf, b.leaf);
+    }
+}
+END_TEST
+
 START_TEST(test_any_number_of_threads_builds_the_same_tree)
 {
     for (int i = 0; i < 20000; i++)
@@ -1220,6 +1249,7 @@ int main(void)
     tcase_add_test(tc, test_scaling_by_two_to_the_k_changes_no_bit);
     tcase_add_test(tc, test_rays_at_edges_and_corners_of_stacked_boxes_never_slip_through);
     tcase_add_test(tc, test_small_spheres_are_met_at_their_very_edge);
+    tcase_add_test(tc, test_slanted_things_are_met_at_their_very_edge);
     tcase_add_test(tc, test_any_number_of_threads_builds_the_same_tree);
     tcase_add_loop_test(tc, test_each_item_is_once_in_the_tree_within_its_box, 0, 5);
     tcase_add_test(tc, test_a_sphere_costs_at_most_100_bytes);

@@ -38,6 +38,11 @@ static const char *prepare(void *self, struct arena *mem)
 static const struct frustum *of(const void *self) { return &((const struct cone *)self)->frustum; }
 static struct bounds bounds(const void *self) { return frustum_bounds(of(self)); }
 
+static void hold(const void *self, vec3 *centre, vec3 edge[3])
+{
+    frustum_hold(of(self), centre, edge);
+}
+
 static int hits(const void *self, struct ray ray, struct hit out[])
 {
     return frustum_hits(of(self), ray, out);
@@ -74,6 +79,6 @@ const struct shape_ops shape_cone = {
     .name = "cone", .help = "a piece of a cone between two discs; a radius of 0 is a point",
     .size = sizeof(struct cone), .defaults = &defaults, .args = args, .n_required = 4,
     .words = words, .is_solid = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
+    .prepare = prepare, .bounds = bounds, .hold = hold, .hits = hits, .nearest = nearest, .spans = spans,
     .hits_many = hits_many, .is_leaky = is_leaky, .inside = inside, .normal = normal,
 };

@@ -39,6 +39,11 @@ static const struct frustum *of(const void *self)
 
 static struct bounds bounds(const void *self) { return frustum_bounds(of(self)); }
 
+static void hold(const void *self, vec3 *centre, vec3 edge[3])
+{
+    frustum_hold(of(self), centre, edge);
+}
+
 static int hits(const void *self, struct ray ray, struct hit out[])
 {
     return frustum_hits(of(self), ray, out);
@@ -75,6 +80,6 @@ const struct shape_ops shape_cylinder = {
     .name = "cylinder", .help = "a tube between two points",
     .size = sizeof(struct cylinder), .defaults = &defaults, .args = args, .n_required = 3,
     .words = words, .is_solid = true, .most_hits = 2,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
+    .prepare = prepare, .bounds = bounds, .hold = hold, .hits = hits, .nearest = nearest, .spans = spans,
     .hits_many = hits_many, .is_leaky = is_leaky, .inside = inside, .normal = normal,
 };

@@ -57,6 +57,16 @@ struct bounds frustum_bounds(const struct frustum *s)
                                   disc_bounds(cap, s->z, cap_radius)));
 }
 
+void frustum_hold(const struct frustum *s, vec3 *centre, vec3 edge[3])
+{
+    double radius = fmax(s->r, fma(s->slope, s->height, s->r)) * s->size;
+
+    edge[0] = vec_scale(s->x, radius);
+    edge[1] = vec_scale(s->y, radius);
+    edge[2] = vec_scale(s->z, s->height * s->size / 2);
+    *centre = vec_add(s->base, edge[2]);
+}
+
 INLINE vec3 turn(const struct frustum *s, vec3 v)
 {
     return vec(vec_dot(v, s->x), vec_dot(v, s->y), vec_dot(v, s->z));

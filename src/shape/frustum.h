@@ -23,6 +23,7 @@ enum frustum_part { FRUSTUM_WALL, FRUSTUM_BASE, FRUSTUM_CAP };
 const char *frustum_prepare(struct frustum *s, vec3 base, double base_radius, vec3 cap,
                             double cap_radius, bool is_open);
 struct bounds frustum_bounds(const struct frustum *s);
+void frustum_hold(const struct frustum *s, vec3 *centre, vec3 edge[3]);
 bool frustum_inside(const struct frustum *s, vec3 p);
 vec3 frustum_normal(const struct frustum *s, vec3 p, const struct hit *h);
 int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[]);

@@ -65,6 +65,10 @@ struct shape_ops {
 
     struct bounds (*bounds)(const void *self);
 
+    /* A slanted box that fits better than bounds(): its centre, and the ways
+     * from there to three of its faces.  NULL: none does. */
+    void (*hold)(const void *self, vec3 *centre, vec3 edge[3]);
+
     /* Every crossing of the whole line, t of either sign, in increasing t;
      * for a solid they alternate, and starts_inside tells whether the line
      * comes from the inside at t = -infinity (only infinite solids do). */

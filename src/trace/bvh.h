@@ -30,6 +30,7 @@ struct bvh {
     uint32_t *item;                     /* in the order of the leaves */
     size_t n_item;
     float *ball[4];                     /* of each item: centre and radius in tree units; NULL: none */
+    float (*brick)[LANES];              /* other boxes that hold the items: brick.h; NULL: none */
 };
 
 enum { BVH_STACK = 384 };               /* see MOST_DEPTH in bvh.c */
@@ -126,6 +127,9 @@ INLINE unsigned bvh_test_balls(const struct bvh *b, const struct bvh_ray *r, uin
            & lanes_not_above(lanes_sub(t, radius), lanes_of(far))
            & lanes_not_above(lanes_of(0), lanes_add(t, radius));
 }
+
+unsigned bvh_test_bricks(const struct bvh *b, const struct bvh_ray *r, uint32_t first, uint32_t count,
+                         float far);    /* brick.c */
 
 struct bvh_entry { uint32_t child, count; float near; };
 
@@ -228,7 +232,9 @@ INLINE uint32_t bvh_sift_balls(void *arg, const struct bvh_ray *r, uint32_t firs
     const struct bvh *b = ((const struct bvh_ball_walk *)arg)->tree;
     uint32_t bits = (1u << count) - 1;
 
-    return b->ball[0] ? bits & bvh_test_balls(b, r, first, limit) : bits;
+    if (b->ball[0])
+        return bits & bvh_test_balls(b, r, first, limit);
+    return b->brick ? bvh_test_bricks(b, r, first, count, limit) : bits;
 }
 
 INLINE bool bvh_visit_ball(void *arg, const uint32_t item[], uint32_t bits, double *far)

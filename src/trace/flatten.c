@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "trace/brick.h"
 #include "trace/share.h"
 #include "trace/surface.h"
 #include "trace/world.h"
@@ -615,6 +616,58 @@ static bool mostly_balls(const struct builder *b, const struct list *items)
     return 2 * n > items->n;
 }
 
+/* --- bricks ---------------------------------------------------------------- */
+
+static struct brick brick_of_bounds(struct bounds b)
+{
+    vec3 half = vec_scale(vec_sub(b.high, b.low), 0.5);
+    double least = 0x1p-20 * vec_largest(half);         /* flat things need some thickness, too */
+
+    return (struct brick) { vec_add(vec_scale(b.low, 0.5), vec_scale(b.high, 0.5)),
+                            { vec(fmax(half.x, least), 0, 0), vec(0, fmax(half.y, least), 0),
+                              vec(0, 0, fmax(half.z, least)) } };
+}
+
+static void brick_move(struct brick *b, const struct transform *t)
+{
+    b->centre = mat_point(&t->to, b->centre);
+    for (int i = 0; i < 3; i++)
+        b->edge[i] = mat_direction(&t->to, b->edge[i]);
+}
+
+static const double fuzziest = 1e-9;            /* beyond this rounding is no trifle */
+
+static bool leaf_brick(const struct leaf *l, struct brick *out)
+{
+    if (l->placement && l->placement->fuzz > fuzziest)
+        return false;
+    if (l->ops && l->ops->hold)
+        l->ops->hold(l->shape, &out->centre, out->edge);
+    else
+        *out = brick_of_bounds(l->ops ? l->ops->bounds(l->shape) : l->mesh->bounds);
+    if (l->placement)
+        brick_move(out, &l->placement->place);
+    return true;
+}
+
+static bool item_brick(const void *of, uint32_t item, struct brick *out)
+{
+    const struct builder *b = of;
+    uint32_t number = item_number(item);
+
+    switch (item_kind(item)) {
+    case ITEM_LEAF: return leaf_brick(&b->plan->leaf[number], out);
+    case ITEM_CSG:  *out = brick_of_bounds(b->geometry->csg[number].bounds); return true;
+    case ITEM_INSTANCE: break;
+    }
+    const struct instance *i = &b->plan->instance[number];
+    if (i->fuzz > fuzziest)
+        return false;
+    *out = brick_of_bounds(space_bounds(&b->geometry->space[i->root]));
+    brick_move(out, &i->place);
+    return true;
+}
+
 /* May the item block light, may it let some through? */
 static struct candidate candidate_of(const struct builder *b, uint32_t item, struct bounds bounds)
 {
@@ -647,7 +700,7 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
 
 static void finish_space(struct builder *b, uint32_t number, const struct list *items)
 {
-    enum { ITEMS_A_LEAF = 4, BALLS_A_LEAF = 8, MOST_CANDIDATES = 1 << 14 };
+    enum { ITEMS_A_LEAF = 8, MOST_CANDIDATES = 1 << 14 };
     struct list bounded = { 0 }, unbounded = { 0 };
     struct bounds *bounds = arena_array(&b->scrap, items->n + 1, sizeof *bounds);
     struct space s = { .n_unbounded = 0 };
@@ -660,9 +713,7 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
             bounds[bounded.n] = one;
         list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
     }
-    bool balls = mostly_balls(b, &bounded);
-    bvh_build(&s.tree, bounded.n, nth, bounds, balls ? BALLS_A_LEAF : ITEMS_A_LEAF, 1, b->threads,
-              b->plan->mem);
+    bvh_build(&s.tree, bounded.n, nth, bounds, ITEMS_A_LEAF, 1, b->threads, b->plan->mem);
     if (number == 0 && bounded.n <= MOST_CANDIDATES)
         s.candidate = arena_array(b->plan->mem, bounded.n + 1, sizeof *s.candidate);
     for (size_t i = 0; i < bounded.n; i++) {
@@ -671,8 +722,10 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
         if (s.candidate)
             s.candidate[i] = candidate_of(b, bounded.item[at], bounds[at]);
     }
-    if (balls)
+    if (mostly_balls(b, &bounded))
         bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
+    else if (bounded.n > FEW)
+        bvh_add_bricks(&s.tree, item_brick, b, b->plan->mem);
     s.n_unbounded = unbounded.n;
     s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
     s.few = few_of(b, items, &s);

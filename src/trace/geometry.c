@@ -768,6 +768,12 @@ static void blocked_by_choice(const struct plan *p, struct scratch *s, const str
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
 
+static void block(struct flock *f, int i)
+{
+    f->barrier[i] = BARRIER_OPAQUE;
+    stream_end(f->search.s->stream, i);
+}
+
 static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
 {
     struct flock *f = arg;
@@ -779,24 +785,61 @@ static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const 
         double far;
         if (!visit_blocked(turn(f, i), item, bits[k], &far))
             continue;
-        f->barrier[i] = BARRIER_OPAQUE;
         *f->last = (struct blocker) { f->search.best->leaf, f->search.best->instance, NO_BIT, true };
-        stream_end(s->stream, i);
+        block(f, i);
     }
 }
 
-static bool blocked_by_unbounded(struct flock *f, int i)
+/* A leaf of the world whose shape can say at once where all rays meet it. */
+static const struct leaf *spanned(const struct plan *p, uint32_t item)
+{
+    const struct leaf *l = &p->leaf[item_number(item)];
+    bool is_plain = item_kind(item) == ITEM_LEAF && l->ops && l->ops->spans && !l->placement
+                    && !(l->ops->is_leaky && l->ops->is_leaky(l->shape));
+
+    return is_plain ? l : NULL;
+}
+
+/* All rays against one thing; those that are left to hits() are not blocked. */
+static void blocked_by_span(struct flock *f, const struct leaf *l)
+{
+    double near[STREAM], far[STREAM];
+
+    if (!(l->mask & RAY_SHADOW) || !is_opaque(&f->search, l))
+        return;
+    l->ops->spans(l->shape, f->rays, near, far);
+    f->search.s->counts.leaf_tests += (unsigned)f->rays->n;
+    for (int i = 0; i < f->rays->n; i++) {
+        double t = near[i] > 0 ? near[i] : far[i];
+        if (t > 0 && t < f->far[i])
+            block(f, i);
+    }
+}
+
+/* What stood in the way last time is asked first, all rays at once; what it
+ * does not know the tree will. */
+static void blocked_by_last(struct flock *f)
+{
+    const struct blocker *b = f->last;
+    const struct leaf *l = b->is_known && b->instance == NO_INSTANCE
+                           ? spanned(f->search.plan, b->item) : NULL;
+
+    if (l)
+        blocked_by_span(f, l);
+    for (int i = 0; !l && b->is_known && i < f->rays->n; i++)
+        if (still_blocks(turn(f, i), b))
+            block(f, i);
+}
+
+static void blocked_by_unbounded(struct flock *f)
 {
     const struct space *world = &f->search.plan->geometry->space[0];
-    struct search *s = turn(f, i);
     double far;
 
-    if (still_blocks(s, f->last))
-        return true;
-    for (size_t k = 0; k < world->n_unbounded; k++)
-        if (visit_blocked(s, world->unbounded + k, 1, &far))
-            return true;
-    return false;
+    for (int i = 0; i < f->rays->n; i++)
+        for (size_t k = 0; k < world->n_unbounded && f->barrier[i] != BARRIER_OPAQUE; k++)
+            if (visit_blocked(turn(f, i), world->unbounded + k, 1, &far))
+                block(f, i);
 }
 
 static void blocked_by_stream(const struct plan *p, struct scratch *s, const struct rays *r,
@@ -810,13 +853,10 @@ static void blocked_by_stream(const struct plan *p, struct scratch *s, const str
 
     s->counts.shadow_rays += (unsigned)r->n;
     memcpy(f.far, far, (size_t)r->n * sizeof *far);
+    memset(barrier, 0, (size_t)r->n * sizeof *barrier);
     stream_aim(s->stream, tree, r, far);
-    for (int i = 0; i < r->n; i++) {
-        bool is_blocked = blocked_by_unbounded(&f, i);
-        barrier[i] = is_blocked ? BARRIER_OPAQUE : 0;
-        if (is_blocked)
-            stream_end(s->stream, i);
-    }
+    blocked_by_last(&f);
+    blocked_by_unbounded(&f);
     stream_walk(s->stream, tree, false, flock_blocked, &f, &s->counts.box_tests);
 }
 

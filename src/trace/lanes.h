@@ -22,18 +22,18 @@ INLINE void lanes_store(float to[LANES], lanes a) { _mm256_storeu_ps(to, a); }
 INLINE lanes lanes_add(lanes a, lanes b) { return _mm256_add_ps(a, b); }
 INLINE lanes lanes_sub(lanes a, lanes b) { return _mm256_sub_ps(a, b); }
 INLINE lanes lanes_mul(lanes a, lanes b) { return _mm256_mul_ps(a, b); }
+INLINE lanes lanes_div(lanes a, lanes b) { return _mm256_div_ps(a, b); }
 INLINE lanes lanes_max(lanes a, lanes b) { return _mm256_max_ps(a, b); }
 INLINE lanes lanes_min(lanes a, lanes b) { return _mm256_min_ps(a, b); }
 
-/* a * b - c, rounded once or twice. */
-INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c)
-{
+/* a * b - c and a * b + c, rounded once or twice. */
 #ifdef __FMA__
-    return _mm256_fmsub_ps(a, b, c);
+INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { return _mm256_fmsub_ps(a, b, c); }
+INLINE lanes lanes_mul_add(lanes a, lanes b, lanes c) { return _mm256_fmadd_ps(a, b, c); }
 #else
-    return _mm256_sub_ps(_mm256_mul_ps(a, b), c);
+INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { return lanes_sub(lanes_mul(a, b), c); }
+INLINE lanes lanes_mul_add(lanes a, lanes b, lanes c) { return lanes_add(lanes_mul(a, b), c); }
 #endif
-}
 
 /* Bit i: a[i] <= b[i]. */
 INLINE unsigned lanes_not_above(lanes a, lanes b)
@@ -67,10 +67,12 @@ INLINE void lanes_store(float to[LANES], lanes a)
 INLINE lanes lanes_add(lanes a, lanes b) { return LANES_BOTH(_mm_add_ps); }
 INLINE lanes lanes_sub(lanes a, lanes b) { return LANES_BOTH(_mm_sub_ps); }
 INLINE lanes lanes_mul(lanes a, lanes b) { return LANES_BOTH(_mm_mul_ps); }
+INLINE lanes lanes_div(lanes a, lanes b) { return LANES_BOTH(_mm_div_ps); }
 INLINE lanes lanes_max(lanes a, lanes b) { return LANES_BOTH(_mm_max_ps); }
 INLINE lanes lanes_min(lanes a, lanes b) { return LANES_BOTH(_mm_min_ps); }
 #undef LANES_BOTH
 INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { return lanes_sub(lanes_mul(a, b), c); }
+INLINE lanes lanes_mul_add(lanes a, lanes b, lanes c) { return lanes_add(lanes_mul(a, b), c); }
 
 INLINE __m128 lanes_half_where(__m128 which, __m128 yes, __m128 no)
 {
@@ -103,9 +105,11 @@ INLINE lanes lanes_load(const float a[LANES]) { LANES_EACH(a[i]); }
 INLINE lanes lanes_add(lanes a, lanes b) { LANES_EACH(a.a[i] + b.a[i]); }
 INLINE lanes lanes_sub(lanes a, lanes b) { LANES_EACH(a.a[i] - b.a[i]); }
 INLINE lanes lanes_mul(lanes a, lanes b) { LANES_EACH(a.a[i] * b.a[i]); }
+INLINE lanes lanes_div(lanes a, lanes b) { LANES_EACH(a.a[i] / b.a[i]); }
 INLINE lanes lanes_max(lanes a, lanes b) { LANES_EACH(a.a[i] > b.a[i] ? a.a[i] : b.a[i]); }
 INLINE lanes lanes_min(lanes a, lanes b) { LANES_EACH(a.a[i] < b.a[i] ? a.a[i] : b.a[i]); }
 INLINE lanes lanes_mul_sub(lanes a, lanes b, lanes c) { LANES_EACH(a.a[i] * b.a[i] - c.a[i]); }
+INLINE lanes lanes_mul_add(lanes a, lanes b, lanes c) { LANES_EACH(a.a[i] * b.a[i] + c.a[i]); }
 INLINE lanes lanes_where_not_above(lanes a, lanes b, lanes yes, lanes no)
 {
     LANES_EACH(a.a[i] <= b.a[i] ? yes.a[i] : no.a[i]);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "math/wide.h"
+#include "trace/brick.h"
 
 /* --- aiming: bvh_aim, as many rays at once as a register holds ------------- */
 
@@ -265,24 +266,18 @@ INLINE unsigned try_balls(const struct balls *b, const struct stream *s, unsigne
            & lanes_not_above(lanes_of(0), lanes_add(t, b->radius));
 }
 
-/* Leaves of the list those that may meet something. */
-static int sift(const struct bvh *b, const struct stream *s, const struct stream_waiting *leaf,
-                const struct list *l, uint8_t ray[], uint8_t bits[])
+/* These leave of the list the rays that may meet something. */
+
+static int sift_by_balls(const struct bvh *b, const struct stream *s, const struct stream_waiting *leaf,
+                         const struct list *l, uint8_t ray[], uint8_t bits[])
 {
+    const struct balls balls = { lanes_load(b->ball[0] + leaf->child),
+                                 lanes_load(b->ball[1] + leaf->child),
+                                 lanes_load(b->ball[2] + leaf->child),
+                                 lanes_add(lanes_load(b->ball[3] + leaf->child), lanes_of(s->ball_apart)) };
     unsigned all = (1u << leaf->count) - 1;
     int n = 0;
 
-    if (!b->ball[0]) {
-        for (int i = 0; i < l->n; i++) {
-            ray[i] = (uint8_t)list_byte(l->ray, i);
-            bits[i] = (uint8_t)all;
-        }
-        return l->n;
-    }
-    const float *ball[] = { b->ball[0] + leaf->child, b->ball[1] + leaf->child,
-                            b->ball[2] + leaf->child, b->ball[3] + leaf->child };
-    struct balls balls = { lanes_load(ball[0]), lanes_load(ball[1]), lanes_load(ball[2]),
-                           lanes_add(lanes_load(ball[3]), lanes_of(s->ball_apart)) };
     for (int i = 0; i < l->n; i++) {
         unsigned k = list_byte(l->ray, i), may = try_balls(&balls, s, k) & all;
         ray[n] = (uint8_t)k;
@@ -290,6 +285,45 @@ static int sift(const struct bvh *b, const struct stream *s, const struct stream
         n += may != 0;
     }
     return n;
+}
+
+INLINE unsigned try_bricks(const struct brick_lanes *b, const struct stream *s, unsigned i)
+{
+    const lanes at[] = { lanes_of(s->at[0][i]), lanes_of(s->at[1][i]), lanes_of(s->at[2][i]) };
+    const lanes dir[] = { lanes_of(s->dir[0][i]), lanes_of(s->dir[1][i]), lanes_of(s->dir[2][i]) };
+
+    return brick_test(b, at, dir, lanes_of(s->limit[i]));
+}
+
+static int sift_by_bricks(const struct bvh *b, const struct stream *s, const struct stream_waiting *leaf,
+                          const struct list *l, uint8_t ray[], uint8_t bits[])
+{
+    struct brick_lanes bricks;
+    int n = 0;
+
+    brick_fetch(b, leaf->child, leaf->count, s->ball_apart, &bricks);
+    for (int i = 0; i < l->n; i++) {
+        unsigned k = list_byte(l->ray, i);
+        unsigned may = brick_bits(try_bricks(&bricks, s, k), leaf->child, leaf->count);
+        ray[n] = (uint8_t)k;
+        bits[n] = (uint8_t)may;
+        n += may != 0;
+    }
+    return n;
+}
+
+static int sift(const struct bvh *b, const struct stream *s, const struct stream_waiting *leaf,
+                const struct list *l, uint8_t ray[], uint8_t bits[])
+{
+    if (b->ball[0])
+        return sift_by_balls(b, s, leaf, l, ray, bits);
+    if (b->brick)
+        return sift_by_bricks(b, s, leaf, l, ray, bits);
+    for (int i = 0; i < l->n; i++) {
+        ray[i] = (uint8_t)list_byte(l->ray, i);
+        bits[i] = (uint8_t)((1u << leaf->count) - 1);
+    }
+    return l->n;
 }
 
 /* All rays that go anywhere wait for the root. */
