@@ -10,6 +10,7 @@
 
 #include "base/name.h"
 #include "cli/version.h"
+#include "lang/lang.h"
 
 struct option {
     const char *name;                   /* without its dashes; NULL: only a letter */
@@ -313,6 +314,15 @@ static bool print_version(struct options *o, const struct option *row, const cha
     return true;
 }
 
+static bool print_words(struct options *o, const struct option *row, const char *said,
+                        const char *value)
+{
+    (void)row, (void)said, (void)value;
+    lang_list_words(stdout);
+    o->task = TASK_NOTHING;
+    return true;
+}
+
 /* --- the table ----------------------------------------------------------- */
 
 #define AT(m) offsetof(struct options, m)
@@ -355,6 +365,7 @@ static const struct option table[] = {
     { "max-string", 0, "SIZE", read_bytes, LIMIT(string_bytes), 1, MOST_BYTES, "bytes of one string (default 64M)" },
     { "max-source", 0, "SIZE", read_bytes, LIMIT(source_bytes), 1, MOST_BYTES, "bytes of one source file (default 1G)" },
     { "isa", 0, "baseline|v3|v4", read_text, AT(isa), 0, 0, "the instruction set to use (default: the best there is)" },
+    { "list-words", 0, NULL, print_words, 0, 0, 0, "print all reserved words and what they are" },
     { "help", 'h', NULL, print_help, 0, 0, 0, "print this text" },
     { "version", 0, NULL, print_version, 0, 0, 0, "print the version and what it was built with" },
     { NULL, 0, NULL, NULL, 0, 0, 0, NULL },

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/code.h"
 #include "lang/function.h"
 
 const struct field image_types[] = {
@@ -94,6 +95,22 @@ bool build_drawn(struct reader *r, struct drawn *d)
     return true;
 }
 
+static float in_16_bits(double v)
+{
+    return (float)(floor(fmin(fmax(v, 0), 1) * 65535) / 65535);
+}
+
+static colour drawn_pixel(const struct function *f, const double at[3])
+{
+    double v[MOST_COMPONENTS];
+
+    function_run(f, at, v);
+    float g = in_16_bits(v[0]);
+    if (function_components(f) == 1)
+        return (colour) { g, g, g, 0, 0 };
+    return (colour) { g, in_16_bits(v[1]), in_16_bits(v[2]), 0, 1 - in_16_bits(1 - v[4]) };
+}
+
 /* Facts patterns.md 6.6: y grows downwards, and 16 bits are kept. */
 static const struct image *draw(struct lang *l, const struct drawn *d)
 {
@@ -107,9 +124,9 @@ static const struct image *draw(struct lang *l, const struct drawn *d)
     for (unsigned y = 0; y < d->height; y++)
         for (unsigned x = 0; x < d->width; x++) {
             double at[3] = { x * step_x, y * step_y, 0 };
-            double v = fmin(fmax(function_at(d->function, at), 0), 1);
-            float g = (float)(floor(v * 65535) / 65535);
-            to->pixel[(size_t)y * d->width + x] = (colour) { g, g, g, 0, 0 };
+            colour c = drawn_pixel(d->function, at);
+            to->pixel[(size_t)y * d->width + x] = c;
+            to->has_transparency |= c.t > 0;
         }
     return to;
 }
@@ -217,9 +234,9 @@ void build_image(struct lang *l, const struct item *block, struct image_use *use
     reader_close(&r);
     check_use(l, block, use);
     const struct function *f = w.file.drawn.function;
-    bool grey = f && function_components(f) == 1 && function_parameters(f) == 3;
-    *unsupported = w.file.drawn.width > 0 && !grey;
-    if (grey && strcmp(block->text, "image_map") == 0)
+    bool fits = f && function_components(f) != 3 && function_parameters(f) == 3;
+    *unsupported = w.file.drawn.width > 0 && !fits;
+    if (fits && strcmp(block->text, "image_map") == 0)
         use->image = draw(l, &w.file.drawn);
     if (w.unsupported)
         diag_unsupported(l->diag, block->at, w.unsupported);

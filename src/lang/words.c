@@ -46,6 +46,41 @@ static const char *const colours[] = {
     "alpha", "blue", "color", "colour", "filter", "green", "red", "transmit", NULL };
 static const char *const rgbs[] = {
     "rgb", "rgbf", "rgbft", "rgbt", "srgb", "srgbf", "srgbft", "srgbt", NULL };
+/* Words that several blocks, or none of the tables, know. */
+static const struct { const char *text, *help; } more_help[] = {
+    { "alpha", "old word for filter" }, { "append", "#fopen: writes behind what is there" },
+    { "array", "values by number: array[N] { ... }" }, { "autostop", "of photons" },
+    { "blue", "the third component of a colour" }, { "color", "begins a colour" },
+    { "colour", "begins a colour" }, { "count", "of photons, radiosity" },
+    { "deprecated", "#declare: each use of the name warns" },
+    { "expand_thresholds", "of photons" }, { "gather", "of photons" },
+    { "gray", ".gray: the brightness of a colour" }, { "green", "the second component of a colour" },
+    { "natural_spline", "of spline { }: a curve with loose ends" },
+    { "red", "the first component of a colour" },
+    { "rgb", "a colour: red, green, blue" }, { "rgbf", "a colour: rgb and filter" },
+    { "rgbft", "a colour: rgb, filter and transmit" }, { "rgbt", "a colour: rgb and transmit" },
+    { "samples", "of media, subsurface" }, { "spacing", "of photons" },
+    { "spline", "a curve through points, called as a function" }, { "steps", "old word for count" },
+    { "srgb", "a colour as the screen shows it; gamma, assumed_gamma: the screen's curve" },
+    { "srgbf", "srgb and filter" }, { "srgbft", "srgb, filter and transmit" },
+    { "srgbt", "srgb and transmit" },
+    { "sint8", "#write: a byte, -128 to 127" }, { "uint8", "#write: a byte, 0 to 255" },
+    { "sint16be", "#write: two bytes, signed, high byte first" },
+    { "sint16le", "#write: two bytes, signed, low byte first" },
+    { "uint16be", "#write: two bytes, high byte first" },
+    { "uint16le", "#write: two bytes, low byte first" },
+    { "sint32be", "#write: four bytes, signed, high byte first" },
+    { "sint32le", "#write: four bytes, signed, low byte first" },
+    { "always_sample", "of radiosity" }, { "brightness", "of radiosity" },
+    { "error_bound", "of radiosity" }, { "gray_threshold", "of radiosity" },
+    { "importance", "of radiosity" }, { "load_file", "of photons" },
+    { "low_error_factor", "of radiosity" }, { "max_sample", "of radiosity" },
+    { "maximum_reuse", "of radiosity" }, { "minimum_reuse", "of radiosity" },
+    { "nearest_count", "of radiosity" }, { "pretrace_end", "of radiosity" },
+    { "pretrace_start", "of radiosity" }, { "recursion_limit", "of radiosity" },
+    { "save_file", "of photons" },
+};
+
 static const char *const file_words[] = {
     "bmp", "df3", "dtag", "exr", "gif", "hdr", "iff", "include", "jpeg", "load_file", "pgm", "png",
     "pot", "ppm", "save_file", "sys", "tga", "tiff", "ttf", NULL };
@@ -123,7 +158,7 @@ static struct word *add(struct lang *l, const char *text, const char *help)
         w->text = name->text;
         name->word = w;
     }
-    if (!w->help)
+    if (!w->help || !*w->help)
         w->help = help;
     return w;
 }
@@ -199,6 +234,8 @@ void words_init(struct lang *l)
     add(l, "array", NULL)->class = WORD_ARRAY;
     for (const char *const *f = file_words; *f; f++)
         add(l, *f, NULL)->names_file = true;
+    for (size_t i = 0; i < sizeof more_help / sizeof *more_help; i++)
+        add(l, more_help[i].text, more_help[i].help);
 }
 
 const struct word *word_find(const struct lang *l, const char *text)
