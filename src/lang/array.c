@@ -217,7 +217,7 @@ static bool read_sizes(struct lang *l, const struct ast *node, struct array *a)
         }
         size_t most = l->limits->array_items;
         if (x > (double)most || (size_t)(x + slack) > most / a->n) {
-            lang_limit(l, s->at, "an array of more than %zu elements", most);
+            lang_limit(l, s->at, "an array of more than %zu elements (--max-array-items=N would let it be)", most);
             return false;
         }
         a->size[a->n_dimension++] = (size_t)(x + slack);

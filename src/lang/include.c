@@ -45,7 +45,7 @@ static const struct ast *parse_file(struct lang *l, const char *path, struct loc
             return tree;
     }
     if (!source_read(l->sources, path, at, l->limits->source_bytes, &number)) {
-        diag_error(l->diag, at, "cannot read '%s': %s", path, strerror(errno));
+        lang_cannot_read(l, at, path);
         return NULL;
     }
     struct library_file *f = arena_alloc(l->mem, sizeof *f);
@@ -62,8 +62,8 @@ void include(struct lang *l, const struct ast *node)
     if (!evaluate_text(l, node->right, "a file's name", &name))
         return;
     if (l->n_include + 1 >= l->limits->include_depth) {
-        diag_error(l->diag, node->at, "files include each other more than %u deep",
-                   l->limits->include_depth);
+        diag_error(l->diag, node->at, "files include each other more than %u deep "
+                   "(--max-include-depth=N would let them)", l->limits->include_depth);
         l->stopped = true;
         return;
     }

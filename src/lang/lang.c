@@ -54,6 +54,15 @@ void lang_limit(struct lang *l, struct loc at, const char *format, ...)
     l->stopped = l->limit_reached = true;
 }
 
+void lang_cannot_read(struct lang *l, struct loc at, const char *path)
+{
+    if (errno == EFBIG)
+        lang_limit(l, at, "'%s' has more than %zu bytes (--max-source=SIZE would let it)", path,
+                   l->limits->source_bytes);
+    else
+        diag_error(l->diag, at, "cannot read '%s': %s", path, strerror(errno));
+}
+
 bool lang_limit_reached(const struct lang *l)
 {
     return l->limit_reached;
@@ -142,7 +151,7 @@ static bool open_scene(struct lang *l, const char *path, uint32_t *number)
     if (slash && strcmp(path, "-") != 0)
         l->folder = arena_text(l->mem, path, (size_t)(slash - path + 1));
     if (!source_read(l->sources, path, (struct loc) { 0 }, l->limits->source_bytes, number)) {
-        diag_error(l->diag, (struct loc) { 0 }, "cannot read '%s': %s", path, strerror(errno));
+        lang_cannot_read(l, (struct loc) { 0 }, path);
         return false;
     }
     l->main_source = *number;

@@ -52,7 +52,7 @@ void reader_open(struct reader *r, struct lang *l, const struct ast *body)
     static const struct ast nothing;
 
     if (l->nesting >= l->limits->nesting * 2)
-        lang_limit(l, body->at, "nested too deeply");
+        lang_limit(l, body->at, "nested too deeply (--max-nesting=N would let it)");
     reader_start(r, l, body ? body : &nothing);
 }
 

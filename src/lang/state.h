@@ -114,6 +114,8 @@ const struct binding *lang_binding(const struct lang *l, const char *name);
 void lang_limit(struct lang *l, struct loc at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+void lang_cannot_read(struct lang *l, struct loc at, const char *path);     /* by errno */
+
 /* Finds a file for reading (a picture, a font) as #include does: the scene's
  * own folder, then the library; extensions ("png", "PNG"; NULL ends) are tried
  * too.  The path is in l->mem; NULL: not found or not allowed, which is reported. */

@@ -112,7 +112,7 @@ static bool fits(struct arguments *a, size_t size)
 {
     if (size <= a->l->limits->string_bytes)
         return true;
-    lang_limit(a->l, a->node->at, "a text of more than %zu bytes", a->l->limits->string_bytes);
+    lang_limit(a->l, a->node->at, "a text of more than %zu bytes (--max-string=SIZE would let it be)", a->l->limits->string_bytes);
     return false;
 }
 
