@@ -5,12 +5,14 @@
  * resolved before they are compared, so neither ".." nor a link leads out. */
 #include "lang/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -150,6 +152,64 @@ static const char *any_name(struct lang *l, const char *name, const char *const 
     return path || exact_first ? path : in_folders(l, name);
 }
 
+/* --- names from systems that do not mind case ---------------------------------------- */
+
+/* What a folder calls an entry, whatever the case; NULL: it has none. */
+static char *entry_like(struct lang *l, const char *folder, const char *name)
+{
+    char *like = NULL;
+    DIR *dir;
+
+    if (access(joined(l, folder, name), F_OK) == 0)
+        return arena_text(l->mem, name, strlen(name));
+    if (!(dir = opendir(*folder ? folder : ".")))
+        return NULL;
+    for (struct dirent *e; !like && (e = readdir(dir));)
+        if (strcasecmp(e->d_name, name) == 0)
+            like = arena_text(l->mem, e->d_name, strlen(e->d_name));
+    closedir(dir);
+    return like;
+}
+
+static char *path_like(struct lang *l, const char *folder, const char *name)
+{
+    char *path = arena_text(l->mem, folder, strlen(folder));
+
+    while (*name) {
+        size_t n = strcspn(name, "/\\");
+        char *entry = n ? entry_like(l, path, arena_text(l->mem, name, n)) : NULL;
+        if (!entry)
+            return NULL;
+        path = joined(l, path, entry);
+        name += n + (name[n] != '\0');
+    }
+    return is_file(path) ? path : NULL;
+}
+
+static char *like_in_folders(struct lang *l, const char *name)
+{
+    char *path = path_like(l, l->folder, name);
+
+    for (size_t i = 0; !path && i < l->setup.n_library; i++)
+        path = path_like(l, l->setup.library[i], name);
+    return path;
+}
+
+/* Old scenes were written where '\\' parts folders and case does not count. */
+static const char *name_like(struct lang *l, struct loc at, const char *name,
+                             const char *const *extensions)
+{
+    char *path = like_in_folders(l, name);
+
+    for (; !path && extensions && *extensions; extensions++)
+        path = like_in_folders(l, arena_format(l->mem, "%s.%s", name, *extensions));
+    if (path && may_read(l, path))
+        diag_warning(l->diag, at, "there is no '%s': '%s' is taken", name, path);
+    return path;
+}
+
+/* --- finding them ------------------------------------------------------------------ */
+
 static void note_folders(struct lang *l)
 {
     const char *list = *l->folder ? l->folder : "./";
@@ -164,6 +224,8 @@ const char *file_find(struct lang *l, struct loc at, const char *name,
 {
     const char *path = any_name(l, name, extensions);
 
+    if (!path && !quiet && *name != '/')
+        path = name_like(l, at, name, extensions);
     if (path && may_read(l, path))
         return path;
     if (quiet)
