@@ -9,7 +9,7 @@ static int subset(const struct animation *a, double said, int otherwise)
     if (said <= 0)
         return otherwise;
     if (said < 1)
-        said = floor(said * (a->final_frame - a->initial_frame + 1));
+        said = floor(said * (a->final_frame - a->initial_frame + 1 + a->cyclic));
     return (int)fmin(fmax(said, a->initial_frame), a->final_frame);
 }
 
