@@ -26,6 +26,7 @@ struct compiling {
     const struct name *name[MOST_NAMES];    /* parameters, and counters of sum and prod */
     int reg[MOST_NAMES];
     int n_name;
+    bool has_defaults;                      /* no list of parameters was given */
     int base;                               /* register of the slot 0 of the chain at work */
     bool failed;
 };
@@ -149,6 +150,8 @@ static int register_of(struct compiling *c, const struct name *name)
     for (int i = c->n_name; i-- > 0;)
         if (c->name[i] == name)
             return c->reg[i];
+    if (c->has_defaults && (strcmp(name->text, "u") == 0 || strcmp(name->text, "v") == 0))
+        return *name->text - 'u';       /* other names of the first two */
     return -1;
 }
 
@@ -452,6 +455,7 @@ static void default_parameters(struct compiling *c)
 {
     static const char *const names[] = { "x", "y", "z" };
 
+    c->has_defaults = true;
     for (int i = 0; i < 3; i++)
         add_name(c, name_intern(&c->l->names, names[i], 1));
 }
