@@ -64,6 +64,7 @@ static void read_area(struct reader *r, struct light *l)
     l->is_area = true;
     l->axis1 = build_vector(r, false, "axis of area_light");
     l->axis2 = build_vector(r, true, "second axis of area_light");
+    reader_skip_comma(r);
     struct loc at = reader_at(r);
     l->samples1 = count(r, "area_light");
     l->samples2 = count(r, "area_light");
