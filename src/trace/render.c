@@ -12,13 +12,14 @@
 enum {
     TILE_WIDTH = 32, TILE_HEIGHT = 16,
     WAVE_RAYS = 1024,                   /* of one pass over a tile, about */
+    TILES_BY_ROW = 2,                   /* a thread: the last ones */
     STACK_BYTES = 64 << 20,             /* pigments nest as deeply as a scene's blocks may */
 };
 
 /* The rows of a row of tiles, on their way to the receiver. */
 struct band {
     float *pixels;
-    unsigned tiles_left;
+    unsigned rows_left;                 /* of its tiles, each tile's counted */
 };
 
 /* What the threads share.  Bands are finished in any order and handed over in
@@ -29,13 +30,15 @@ struct gang {
     const struct render_options *o;
     unsigned across, down;              /* tiles */
     unsigned long next, total;          /* tiles, row by row */
+    unsigned next_row;                  /* of the next tile: the last ones are shared out by the row */
+    unsigned long whole;                /* tiles that are not */
     unsigned window, delivered;         /* bands */
     struct band *band;                  /* a ring of window */
     pthread_mutex_t lock;
     pthread_cond_t moved;               /* a band was delivered, or the end was decided */
     bool ended, delivering;
     unsigned rows_done;
-    unsigned long tiles_done;
+    double area_done;                   /* pixels */
     double rays, last_progress;
     struct render_stats *stats;
 };
@@ -52,7 +55,8 @@ static unsigned least(unsigned a, unsigned b) { return a < b ? a : b; }
 
 /* ---- a tile ---- */
 
-struct tile { unsigned x, y, width, height; };  /* pixels of the part that is rendered */
+/* All or some rows of one; pixels of the part that is rendered. */
+struct tile { unsigned x, y, width, height; };
 
 static struct tile tile_at(const struct gang *g, unsigned long number)
 {
@@ -198,6 +202,7 @@ KERNEL static void average(int n, const double *restrict sum, double count, floa
         out[i] = (float)(sum[i] / count);
 }
 
+/* Into the tile's place in its band. */
 static void develop(const struct worker *w, const struct render_options *o, const struct tile *t,
                     float *band)
 {
@@ -205,31 +210,51 @@ static void develop(const struct worker *w, const struct render_options *o, cons
 
     for (unsigned y = 0; y < t->height; y++)
         average(4 * (int)t->width, *w->film.sum + 4 * (size_t)y * t->width, n,
-                band + 4 * ((size_t)y * o->crop_width + t->x));
+                band + 4 * ((size_t)(t->y % TILE_HEIGHT + y) * o->crop_width + t->x));
 }
 
 /* ---- sharing out ---- */
 
 static bool is_stopped(const struct gang *g) { return g->o->stop && *g->o->stop; }
 
-static struct band *band_of(const struct gang *g, unsigned long tile)
+static struct band *band_of(const struct gang *g, const struct tile *t)
 {
-    return &g->band[tile / g->across % g->window];
+    return &g->band[t->y / TILE_HEIGHT % g->window];
 }
 
-/* The next tile, or false at the end.  A stopped render finishes the bands
+/* The next tile, or at the end, when others would have to wait for a slow
+ * one, its next row. */
+static struct tile next_part(struct gang *g)
+{
+    struct tile t = tile_at(g, g->next);
+
+    if (g->next < g->whole) {
+        g->next++;
+        return t;
+    }
+    unsigned height = t.height;
+    t.y += g->next_row++;
+    t.height = 1;
+    if (g->next_row == height) {
+        g->next_row = 0;
+        g->next++;
+    }
+    return t;
+}
+
+/* What to do next, or false at the end.  A stopped render finishes the bands
  * that are begun. */
-static bool take(struct gang *g, unsigned long *tile)
+static bool take(struct gang *g, struct tile *part)
 {
     pthread_mutex_lock(&g->lock);
     while (!g->ended && g->next < g->total
            && g->next / g->across >= (unsigned long)g->delivered + g->window)
         pthread_cond_wait(&g->moved, &g->lock);
-    if (g->next % g->across == 0 && is_stopped(g))
+    if (g->next % g->across == 0 && g->next_row == 0 && is_stopped(g))
         g->total = g->next;
     bool more = !g->ended && g->next < g->total;
     if (more)
-        *tile = g->next++;
+        *part = next_part(g);
     pthread_mutex_unlock(&g->lock);
     return more;
 }
@@ -241,7 +266,15 @@ static void tell_progress(struct gang *g)
     if (!g->o->progress || t - g->last_progress < 0.05)
         return;
     g->last_progress = t;
-    g->o->progress(g->o->arg, (double)g->tiles_done / ((double)g->across * g->down), g->rays);
+    g->o->progress(g->o->arg, g->area_done / ((double)g->o->crop_width * g->o->crop_height), g->rays);
+}
+
+/* 0 beyond the end. */
+static unsigned rows_of_band(const struct gang *g, unsigned number)
+{
+    if (number >= g->down)
+        return 0;
+    return g->across * least(TILE_HEIGHT, g->o->crop_height - number * TILE_HEIGHT);
 }
 
 /* Hands over all bands that are whole and next, with the lock held but for
@@ -255,7 +288,7 @@ static void deliver(struct gang *g)
         struct band *b = &g->band[g->delivered % g->window];
         unsigned first = g->delivered * TILE_HEIGHT;
         unsigned count = least(TILE_HEIGHT, g->o->crop_height - first);
-        if (b->tiles_left)
+        if (b->rows_left)
             break;
         pthread_mutex_unlock(&g->lock);
         bool go_on = g->o->rows(g->o->arg, first, count, b->pixels);
@@ -265,20 +298,23 @@ static void deliver(struct gang *g)
         } else {
             g->rows_done = first + count;
             g->delivered++;
-            b->tiles_left = g->across;
+            b->rows_left = rows_of_band(g, g->delivered - 1 + g->window);
         }
         pthread_cond_broadcast(&g->moved);
     }
     g->delivering = false;
 }
 
-static void finish_tile(struct gang *g, unsigned long tile, double rays)
+static void finish_part(struct gang *g, const struct tile *t, double rays)
 {
+    struct band *b = band_of(g, t);
+
     pthread_mutex_lock(&g->lock);
-    g->tiles_done++;
+    g->area_done += (double)t->width * t->height;
     g->rays += rays;
     tell_progress(g);
-    if (--band_of(g, tile)->tiles_left == 0)
+    b->rows_left -= t->height;
+    if (b->rows_left == 0)
         deliver(g);
     pthread_mutex_unlock(&g->lock);
 }
@@ -307,15 +343,14 @@ static void *work(void *arg)
 {
     struct gang *g = arg;
     struct worker w;
-    unsigned long number;
+    struct tile t;
 
     worker_init(&w, g->plan);
-    while (take(g, &number)) {
-        struct tile t = tile_at(g, number);
+    while (take(g, &t)) {
         double before = rays_of(&w);
         trace_tile(&w, g->o, &t);
-        develop(&w, g->o, &t, band_of(g, number)->pixels);
-        finish_tile(g, number, rays_of(&w) - before);
+        develop(&w, g->o, &t, band_of(g, &t)->pixels);
+        finish_part(g, &t, rays_of(&w) - before);
     }
     add_counts(g, &w);
     worker_release(&w);
@@ -350,7 +385,7 @@ static void make_bands(struct gang *g, struct arena *mem)
     g->band = arena_array(mem, g->window, sizeof *g->band);
     for (unsigned i = 0; i < g->window; i++) {
         g->band[i].pixels = arena_array(mem, floats, sizeof(float));
-        g->band[i].tiles_left = g->across;
+        g->band[i].rows_left = rows_of_band(g, i);
     }
 }
 
@@ -368,6 +403,7 @@ bool render(const struct plan *p, const struct render_options *o, struct render_
     *stats = (struct render_stats) { 0 };
     arena_init(&mem, p->mem->budget);
     g.total = (unsigned long)g.across * g.down;
+    g.whole = threads > 1 ? g.total - least((unsigned)g.total, TILES_BY_ROW * threads) : g.total;
     g.window = least(threads + 2, g.down);
     make_bands(&g, &mem);
     pthread_mutex_init(&g.lock, NULL);
