@@ -691,6 +691,129 @@ START_TEST(test_a_mesh_is_met_where_asking_every_face_meets_it)
 }
 END_TEST
 
+/* --- arrays of rays -------------------------------------------------------- */
+
+static struct texture *glass(float transmit)
+{
+    struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
+    struct pigment *g = arena_copy(&mem, t->pigment, sizeof *g);
+
+    g->colour.t = transmit;
+    t->pigment = g;
+    return t;
+}
+
+static struct object *random_csg(int depth);
+
+/* Some of it in the same place twice: then the first listed is met. */
+static void add_mixture(int n, bool with_csg)
+{
+    struct object *o = NULL;
+
+    for (int i = 0; i < n; i++) {
+        struct mesh *four = mesh_ball(3, 0.7);
+        vec3 c = in_cube(1), d = on_sphere();
+        four->n_face = 4;
+        switch (below(with_csg ? 8 : 7)) {
+        case 0:  break;
+        case 1:  o = triangle(2, 2); break;
+        case 2:  o = moved(mesh_object(four), turned(in_cube(90), in_cube(2))); break;
+        case 3:  o = SHAPE("disc", c.x, c.y, c.z, d.x, d.y, d.z, 1); break;
+        case 4:  o = SHAPE("plane", d.x, d.y, d.z, 3); break;
+        case 5:  o = moved(random_shape(1, 1), turned(in_cube(90), in_cube(2))); break;
+        case 6:  o = random_shape(2, 1); break;
+        default: o = random_csg(2);
+        }
+        o = object_copy(&mem, o ? o : sphere(c, 1));
+        o->texture = below(2) ? glass(0.5f) : &texture_default;
+        o->flags = o->flags_given = below(5) ? 0 : below(2) ? OBJECT_NO_SHADOW : OBJECT_NO_IMAGE;
+        scene_add(&scene, o);
+    }
+}
+
+enum { SOME_RAYS = 300 };
+
+struct some_rays { double at[6][SOME_RAYS], far[SOME_RAYS]; uint8_t mask[SOME_RAYS]; };
+
+/* From one point mostly, as beams are. */
+static struct rays make_rays(struct some_rays *r)
+{
+    vec3 from = vec_scale(on_sphere(), uniform(0, 8));
+
+    for (int i = 0; i < SOME_RAYS; i++) {
+        vec3 o = i % 50 ? from : in_cube(3), d = vec_sub(in_cube(2), o);
+        for (int axis = 0; axis < 3; axis++) {
+            r->at[axis][i] = vec_get(o, axis);
+            r->at[3 + axis][i] = vec_get(d, axis);
+        }
+        r->far[i] = uniform(0, 2);
+        r->mask[i] = below(2) ? RAY_PRIMARY : RAY_REFLECTED;
+    }
+    return (struct rays) { SOME_RAYS, r->at[0], r->at[1], r->at[2], r->at[3], r->at[4], r->at[5] };
+}
+
+struct list { int n; struct meeting m[100]; };
+
+static bool add_to_list(void *arg, const struct meeting *m)
+{
+    struct list *l = arg;
+
+    l->m[l->n++] = *m;
+    return l->n < 100;
+}
+
+static void same_meeting(const struct meeting *a, const struct meeting *b)
+{
+    ck_assert(a->t == b->t && a->leaf == b->leaf && a->instance == b->instance
+              && a->flipped == b->flipped && a->hit.t == b->hit.t && a->hit.u == b->hit.u
+              && a->hit.v == b->hit.v && a->hit.slack == b->hit.slack && a->hit.part == b->hit.part);
+}
+
+static void same_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                           uint64_t barrier)
+{
+    struct list all = { 0 }, some = { 0 };
+
+    if (barrier != 0)
+        geometry_crossings(p, s, ray, far, barrier, add_to_list, &some);
+    geometry_crossings(p, s, ray, far, BARRIER_ANY, add_to_list, &all);
+    ck_assert_int_eq(some.n, all.n);
+    for (int i = 0; i < all.n; i++)
+        same_meeting(&some.m[i], &all.m[i]);
+}
+
+/* _i: in a small scene, in one with a tree, with CSG or without. */
+START_TEST(test_arrays_of_rays_meet_what_each_ray_meets)
+{
+    static struct some_rays some;
+    static struct meeting many[SOME_RAYS];
+    uint64_t barrier[SOME_RAYS];
+
+    for (int round = 0; round < 60; round++) {
+        scene_init(&scene, &mem);
+        add_mixture(_i & 2 ? 60 : 1 + below(FEW), _i & 1);
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem), *other = scratch_new(p, &mem);
+        struct rays r = make_rays(&some);
+        geometry_nearest_many(p, s, &r, some.mask, many);
+        geometry_blocked_many(p, s, &r, some.far, 0, barrier);
+        for (int i = 0; i < SOME_RAYS; i++) {
+            struct meeting one;
+            bool met = geometry_nearest(p, other, rays_at(&r, i), INFINITY, some.mask[i], &one);
+            ck_assert_int_eq(many[i].leaf != NO_LEAF, met);
+            if (met)
+                same_meeting(&many[i], &one);
+            bool blocked = geometry_blocked(p, other, rays_at(&r, i), some.far[i], 0);
+            ck_assert_int_eq(barrier[i] == BARRIER_OPAQUE, blocked);
+            if (!blocked)
+                same_crossings(p, s, rays_at(&r, i), some.far[i], barrier[i]);
+        }
+        teardown();
+        arena_init(&mem, NULL);
+    }
+}
+END_TEST
+
 /* --- CSG ------------------------------------------------------------------- */
 
 static struct object *random_csg(int depth)
@@ -1091,16 +1214,6 @@ START_TEST(test_members_of_a_union_may_hide_unless_it_is_whole)
 }
 END_TEST
 
-static struct texture *glass(float transmit)
-{
-    struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
-    struct pigment *g = arena_copy(&mem, t->pigment, sizeof *g);
-
-    g->colour.t = transmit;
-    t->pigment = g;
-    return t;
-}
-
 START_TEST(test_crossings_come_in_order_however_many)
 {
     struct texture *t = glass(0.5f);
@@ -1258,6 +1371,7 @@ int main(void)
     tcase_add_test(tc, test_instances_may_differ_in_their_texture);
     tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);
     tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
+    tcase_add_loop_test(tc, test_arrays_of_rays_meet_what_each_ray_meets, 0, 4);
     tcase_add_test(tc, test_csg_shows_exactly_where_its_inside_begins_and_ends);
     tcase_add_test(tc, test_rays_in_arrays_meet_csg_as_each_does);
     tcase_add_test(tc, test_csg_normals_point_out_of_the_solid);

@@ -224,5 +224,5 @@ const struct shape_ops shape_box = {
     .size = sizeof(struct box), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .hits_many = hits_many, .inside = inside, .normal = normal, .uv = uv,
+    .hits_many = hits_many, .is_quick = true, .inside = inside, .normal = normal, .uv = uv,
 };

@@ -121,5 +121,5 @@ const struct shape_ops shape_disc = {
     .size = sizeof(struct disc), .defaults = &defaults, .args = args, .n_required = 3,
     .most_hits = 1,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
-    .hits_many = hits_many, .inside = inside, .normal = normal,
+    .hits_many = hits_many, .is_quick = true, .inside = inside, .normal = normal,
 };

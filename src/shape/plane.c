@@ -121,5 +121,5 @@ const struct shape_ops shape_plane = {
     .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_infinite = true, .most_hits = 1,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .hits_many = hits_many, .starts_inside = starts_inside, .inside = inside, .normal = normal,
+    .hits_many = hits_many, .is_quick = true, .starts_inside = starts_inside, .inside = inside, .normal = normal,
 };

@@ -100,6 +100,7 @@ struct shape_ops {
      * shapes of one or two hits. */
     void (*hits_many)(const void *self, const struct packet *p, const uint8_t may[],
                       struct crossings *out);
+    bool is_quick;                      /* it takes no longer than trying the bounds would */
 };
 
 extern const struct shape_ops *const shapes[];      /* NULL ends */

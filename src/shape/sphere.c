@@ -200,5 +200,5 @@ const struct shape_ops shape_sphere = {
     .size = sizeof(struct sphere), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_ball = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .hits_many = hits_many, .inside = inside, .normal = normal, .uv = uv,
+    .hits_many = hits_many, .is_quick = true, .inside = inside, .normal = normal, .uv = uv,
 };

@@ -149,7 +149,7 @@ const struct shape_ops shape_triangle = {
     .size = sizeof(struct triangle), .defaults = &defaults, .args = args, .n_required = 3,
     .most_hits = 1,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest,
-    .hits_many = hits_many, .normal = normal,
+    .hits_many = hits_many, .is_quick = true, .normal = normal,
 };
 
 static const struct triangle smooth_defaults = {
@@ -162,5 +162,5 @@ const struct shape_ops shape_smooth_triangle = {
     .size = sizeof(struct triangle), .defaults = &smooth_defaults, .args = smooth_args,
     .n_required = 6, .most_hits = 1,
     .prepare = prepare_smooth, .bounds = bounds, .hits = hits, .nearest = nearest,
-    .hits_many = hits_many, .normal = normal_smooth,
+    .hits_many = hits_many, .is_quick = true, .normal = normal_smooth,
 };

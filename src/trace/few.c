@@ -1,9 +1,5 @@
-/* few.c: the boxes of small scenes, tried for arrays of rays. */
+/* few.c: the boxes of small scenes. */
 #include "trace/few.h"
-
-#include <string.h>
-
-#include "math/kernel.h"
 
 /* Wider than all rounding of the slabs' three operations. */
 static const double rounding = 0x1p-49;
@@ -22,69 +18,67 @@ void few_add(struct few *f, uint32_t item, const struct bounds *box)
     }
 }
 
-/* Vectors go between inlined functions only: there is no ABI to break. */
-#pragma GCC diagnostic ignored "-Wpsabi"
+/* ---- which boxes a ray meets, or which rays a box ---- */
 
-/* As many rays as a register holds, kept there while all boxes pass by. */
-#if defined(__AVX512F__)
-enum { SIDE_BY_SIDE = 8 };
-#elif defined(__AVX__)
-enum { SIDE_BY_SIDE = 4 };
-#else
-enum { SIDE_BY_SIDE = 2 };
-#endif
-typedef double many __attribute__((vector_size(SIDE_BY_SIDE * sizeof(double))));
-typedef int64_t many_bits __attribute__((vector_size(SIDE_BY_SIDE * sizeof(int64_t))));
+/* The part of a ray inside of one slab after another.  A ray in a face's
+ * plane gives 0 * infinity: the comparison is then false and keeps what was
+ * known before (facts numerics.md 1.6). */
+struct slab_walk { wide begin, end; };
 
-struct bundle { many o[3], inverse[3]; many_bits back[3]; };
-
-INLINE many load(const double *p)
+INLINE void walk_slab(struct slab_walk *w, wide near, wide far)
 {
-    many v;
-
-    memcpy(&v, p, sizeof v);
-    return v;
+    w->begin = wide_max(near, w->begin);
+    w->end = wide_min(far, w->end);
 }
 
-INLINE many either(many_bits which, many a, many b)
+INLINE uint32_t is_inside(const struct slab_walk *w)
 {
-    return (many)(((many_bits)a & which) | ((many_bits)b & ~which));
+    return wide_not_above(w->begin, w->end * (1 + rounding));
 }
 
-INLINE struct bundle bundle_of(const struct rays *r, int i)
+uint32_t few_aim(const struct few *f, const struct ray *ray, double far)
 {
-    struct bundle q = { .o = { load(r->x + i), load(r->y + i), load(r->z + i) } };
+    const double from[] = { ray->origin.x, ray->origin.y, ray->origin.z };
+    const double inverse[] = { 1 / ray->dir.x, 1 / ray->dir.y, 1 / ray->dir.z };
+    uint32_t may = 0;
 
-    q.inverse[0] = 1 / load(r->dx + i);
-    q.inverse[1] = 1 / load(r->dy + i);
-    q.inverse[2] = 1 / load(r->dz + i);
-    for (int axis = 0; axis < 3; axis++)
-        q.back[axis] = q.inverse[axis] < 0;
-    return q;
-}
-
-/* A ray in a face's plane gives 0 * infinity: the comparison is then false
- * and keeps what was known before (facts numerics.md 1.6). */
-INLINE many_bits meets_box(const struct bundle *q, const struct few *f, int k, many end)
-{
-    many begin = { 0 };
-
-    for (int axis = 0; axis < 3; axis++) {
-        many low = f->side[0][axis][k] - q->o[axis], high = f->side[1][axis][k] - q->o[axis];
-        many near = either(q->back[axis], high, low) * q->inverse[axis];
-        many far = either(q->back[axis], low, high) * q->inverse[axis];
-        begin = either(near > begin, near, begin);
-        end = either(far < end, far, end);
+    for (int k = 0; k < f->n; k += WIDE) {
+        struct slab_walk w = { wide_of(0), wide_of(far) };
+        for (int axis = 0; axis < 3; axis++) {
+            bool back = inverse[axis] < 0;
+            walk_slab(&w, (wide_load(&f->side[back][axis][k]) - from[axis]) * inverse[axis],
+                      (wide_load(&f->side[!back][axis][k]) - from[axis]) * inverse[axis]);
+        }
+        may |= is_inside(&w) << k;
     }
-    return begin <= end * (1 + rounding);
+    return f->n < FEW ? may & ((1u << f->n) - 1) : may;
 }
 
-static bool is_everywhere(const struct few *f, int k)
+void few_prepare(const struct packet *p, struct inverses *out)
 {
     for (int axis = 0; axis < 3; axis++)
-        if (!isinf(f->side[0][axis][k]) || !isinf(f->side[1][axis][k]))
-            return false;
-    return true;
+        for (int i = 0; i < p->n; i += WIDE)
+            wide_store(&out->d[axis][i], 1 / wide_load(&p->d[axis][i]));
+}
+
+bool few_meet(const struct few *f, int k, const struct packet *p, const struct inverses *inverse,
+              const double *far, uint8_t may[])
+{
+    unsigned any = 0;
+
+    for (int at = 0, r = 0; at < p->n; at += WIDE, r++) {
+        if (!may[r])
+            continue;
+        struct slab_walk w = { wide_of(0), wide_load(far + at) };
+        for (int axis = 0; axis < 3; axis++) {
+            wide by = wide_load(&inverse->d[axis][at]), from = wide_load(&p->o[axis][at]);
+            wide low = (f->side[0][axis][k] - from) * by, high = (f->side[1][axis][k] - from) * by;
+            wide_mask back = wide_signs(by);
+            walk_slab(&w, wide_pick(back, high, low), wide_pick(back, low, high));
+        }
+        any |= may[r] &= (uint8_t)is_inside(&w);
+    }
+    return any;
 }
 
 /* ---- which boxes can be met at all by rays that lie close together ---- */
@@ -92,46 +86,43 @@ static bool is_everywhere(const struct few *f, int k)
 /* All origins and directions lie between these. */
 struct beam { double o[2][3], d[2][3], far; };
 
-/* The compiler does not dare to: the order matters for NaN. */
-static void span_of(int n, const double *v, double out[2])
+static void range_of(int n, const double *v, double out[2])
 {
-    many low = (many) { 0 } + v[0], high = low;
+    wide low = wide_of(v[0]), high = low;
     int i = 0;
 
-    for (; i + SIDE_BY_SIDE <= n; i += SIDE_BY_SIDE) {
-        many a = load(v + i);
-        low = either(a < low, a, low);
-        high = either(a > high, a, high);
+    for (; i + WIDE <= n; i += WIDE) {
+        low = wide_min(wide_load(v + i), low);
+        high = wide_max(wide_load(v + i), high);
     }
     out[0] = low[0];
     out[1] = high[0];
-    for (int k = 1; k < SIDE_BY_SIDE; k++) {
-        out[0] = smaller(out[0], low[k]);
-        out[1] = larger(out[1], high[k]);
+    for (int k = 1; k < WIDE; k++) {
+        out[0] = smaller(low[k], out[0]);
+        out[1] = larger(high[k], out[1]);
     }
     for (; i < n; i++) {
-        out[0] = smaller(out[0], v[i]);
-        out[1] = larger(out[1], v[i]);
+        out[0] = smaller(v[i], out[0]);
+        out[1] = larger(v[i], out[1]);
     }
 }
 
-static struct beam beam_of(const struct rays *r, const double *far)
+static struct beam beam_of(const struct packet *p, const double *far)
 {
-    const double *o[] = { r->x, r->y, r->z }, *d[] = { r->dx, r->dy, r->dz };
     struct beam b = { .far = INFINITY };
-    double span[2];
+    double range[2];
 
     for (int axis = 0; axis < 3; axis++) {
-        span_of(r->n, o[axis], span);
-        b.o[0][axis] = span[0];
-        b.o[1][axis] = span[1];
-        span_of(r->n, d[axis], span);
-        b.d[0][axis] = span[0];
-        b.d[1][axis] = span[1];
+        range_of(p->n, p->o[axis], range);
+        b.o[0][axis] = range[0];
+        b.o[1][axis] = range[1];
+        range_of(p->n, p->d[axis], range);
+        b.d[0][axis] = range[0];
+        b.d[1][axis] = range[1];
     }
     if (far) {
-        span_of(r->n, far, span);
-        b.far = span[1];
+        range_of(p->n, far, range);
+        b.far = range[1];
     }
     return b;
 }
@@ -161,63 +152,15 @@ static bool beam_meets(const struct beam *b, const struct few *f, int k)
     return !(begin > end + loose * (fabs(begin) + fabs(end)));
 }
 
-/* ---- which boxes each ray meets ---- */
-
-struct choice { int n, box[FEW]; uint64_t always; };
-
-static struct choice choose(const struct few *f, const struct rays *r, const double *far)
+uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far)
 {
     enum { WORTH_IT = 16 };             /* rays */
-    struct beam beam = { .far = INFINITY };
-    struct choice c = { .n = 0 };
+    uint32_t may = 0;
 
-    if (r->n >= WORTH_IT)
-        beam = beam_of(r, far);
+    if (p->n < WORTH_IT)
+        return f->n < FEW ? (1u << f->n) - 1 : UINT32_MAX;
+    struct beam beam = beam_of(p, far);
     for (int k = 0; k < f->n; k++)
-        if (is_everywhere(f, k))
-            c.always |= (uint64_t)1 << k;
-        else if (r->n < WORTH_IT || beam_meets(&beam, f, k))
-            c.box[c.n++] = k;
-    return c;
-}
-
-INLINE void aim_bundle(const struct few *f, const struct choice *c, const struct rays *r,
-                       const double *far, int i, uint64_t *may)
-{
-    struct bundle q = bundle_of(r, i);
-    many end = far ? load(far + i) : (many) { 0 } + INFINITY;
-    many_bits bits = (many_bits) { 0 } + (int64_t)c->always;
-
-    for (int k = 0; k < c->n; k++)
-        bits |= meets_box(&q, f, c->box[k], end) & ((many_bits) { 0 } + ((int64_t)1 << c->box[k]));
-    memcpy(may + i, &bits, sizeof bits);
-}
-
-/* The last rays, too few for a register, are copied to where one can be read. */
-static void aim_rest(const struct few *f, const struct choice *c, const struct rays *r,
-                     const double *far, int i, uint64_t *may)
-{
-    double copy[7][SIDE_BY_SIDE] = { { 0 } };
-    uint64_t bits[SIDE_BY_SIDE];
-    const struct rays rest = { SIDE_BY_SIDE, copy[0], copy[1], copy[2], copy[3], copy[4], copy[5] };
-    size_t size = (size_t)(r->n - i) * sizeof(double);
-    const double *from[] = { r->x, r->y, r->z, r->dx, r->dy, r->dz };
-
-    for (int k = 0; k < 6; k++)
-        memcpy(copy[k], from[k] + i, size);
-    if (far)
-        memcpy(copy[6], far + i, size);
-    aim_bundle(f, c, &rest, far ? copy[6] : NULL, 0, bits);
-    memcpy(may + i, bits, size);
-}
-
-void few_aim(const struct few *f, const struct rays *r, const double *far, uint64_t *may)
-{
-    struct choice c = choose(f, r, far);
-    int i = 0;
-
-    for (; i + SIDE_BY_SIDE <= r->n; i += SIDE_BY_SIDE)
-        aim_bundle(f, &c, r, far, i, may);
-    if (i < r->n)
-        aim_rest(f, &c, r, far, i, may);
+        may |= (uint32_t)beam_meets(&beam, f, k) << k;
+    return may;
 }

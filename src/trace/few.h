@@ -1,14 +1,15 @@
-/* few.h: small scenes, whose boxes are all tried at once for arrays of rays.
+/* few.h: small scenes, whose boxes are all tried at once.
  *
  * A tree pays for itself from some thirty things on; below, a plain loop over
- * their boxes, a register of rays at a time, says for each ray what it may meet. */
+ * their boxes says what rays may meet: a register of boxes for one ray, or a
+ * register of rays for one box after the other. */
 #ifndef RTC_FEW_H
 #define RTC_FEW_H
 
 #include <stdint.h>
 
 #include "base/arena.h"
-#include "shape/shape.h"
+#include "shape/packet.h"
 
 enum { FEW = 32 };                      /* things: a bit each */
 
@@ -20,7 +21,19 @@ struct few {
 
 void few_add(struct few *f, uint32_t item, const struct bounds *box);   /* n < FEW */
 
-/* Bit k of may[i]: ray i may meet item k with 0 <= t < far[i] (far NULL: any). */
-void few_aim(const struct few *f, const struct rays *r, const double *far, uint64_t *may);
+/* Bit k: the ray may meet item k with 0 <= t < far. */
+uint32_t few_aim(const struct few *f, const struct ray *ray, double far);
+
+/* Bit k: some ray of the packet may meet item k; rough.  far NULL: any t. */
+uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far);
+
+/* For few_meet: 1/0 is infinite, as it should be. */
+struct inverses { _Alignas(64) double d[3][PACKET]; };
+void few_prepare(const struct packet *p, struct inverses *out);
+
+/* Leaves in may (a byte a register, a bit a lane) the rays that may meet item
+ * k with 0 <= t < far[i].  False: none. */
+bool few_meet(const struct few *f, int k, const struct packet *p, const struct inverses *inverse,
+              const double *far, uint8_t may[]);
 
 #endif

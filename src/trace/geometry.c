@@ -6,6 +6,7 @@
 
 #include "trace/beam.h"
 #include "trace/convex.h"
+#include "trace/many.h"
 #include "trace/stream.h"
 #include "trace/world.h"
 
@@ -14,10 +15,8 @@ enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found b
 /* What stood in a light's way last time, to be asked first. */
 struct blocker {
     uint32_t item, instance;
-    uint32_t bit;                       /* in a small scene; else none */
     bool is_known;
 };
-enum { NO_BIT = FEW };
 
 /* What rays that lie together may meet: all of a small scene, or what a beam
  * found.  Bits of few: may block light, may filter it. */
@@ -28,6 +27,20 @@ struct choice { const struct few *few; uint64_t opaque, clear, list; };
 struct pace { int size, rest, wait; };
 
 enum { MOST_LISTS = 16 };
+
+/* Crossings of light that were found ahead: those of each ray in order. */
+enum { MOST_KEPT = 512, KEPT_END = MOST_KEPT };
+struct kept { struct meeting m; uint32_t next; };
+
+/* A packet of rays on its way through the choice. */
+struct volley {
+    struct packet rays;
+    struct inverses inverse;
+    struct found found;
+    struct leaf_view view;
+    double far[PACKET];
+    uint32_t on_the_way;                /* of the choice */
+};
 
 struct scratch {
     const struct plan *plan;
@@ -41,12 +54,15 @@ struct scratch {
     struct stream *stream;
     uint32_t list[MOST_LISTS][FEW];     /* what beams of shadow rays found, for their crossings */
     int n_list;
+    struct kept kept[MOST_KEPT];
+    uint32_t n_kept;
+    struct volley volley;
     struct meeting crossing[MOST_CROSSINGS];
 };
 
 struct scratch *scratch_new(const struct plan *p, struct arena *mem)
 {
-    struct scratch *s = arena_alloc(mem, sizeof *s);
+    struct scratch *s = arena_alloc_aligned(mem, sizeof *s, _Alignof(struct scratch));
 
     s->plan = p;
     csg_scratch_init(&s->csg, p->geometry->csg, p->geometry->n_csg, mem);
@@ -143,7 +159,7 @@ struct search {
     bool asks_opaque;                   /* what is opaque ends the search */
     unsigned *tally;                    /* where crossings are counted, not kept; or NULL */
     double after_t;
-    uint64_t after;                     /* rank of the last one that was visited */
+    int64_t after;                      /* rank of the last one that was visited */
     size_t n_crossing;
     bool is_full;
 };
@@ -158,12 +174,6 @@ static bool is_opaque(const struct search *s, const struct leaf *l)
     return s->plan->surface[surface_of_leaf(s, l)].is_opaque;
 }
 
-/* A number that orders meetings of equal t: the world before instances,
- * first listed first. */
-static uint64_t rank(uint32_t instance, uint32_t leaf)
-{
-    return (uint64_t)(instance + 1) << 32 | leaf;
-}
 
 /* The items of a space: those of the tree on the way, and the unbounded. */
 typedef bool visit_items(void *arg, const uint32_t item[], uint32_t bits, double *far);
@@ -173,12 +183,8 @@ INLINE bool search_space(struct search *s, const struct space *space, visit_item
     double far = s->far;
 
     if (space->few) {
-        const struct rays one = { 1, &s->ray.origin.x, &s->ray.origin.y, &s->ray.origin.z,
-                                  &s->ray.dir.x, &s->ray.dir.y, &s->ray.dir.z };
-        uint64_t may;
-        few_aim(space->few, &one, &far, &may);
         s->s->counts.box_tests += (unsigned)space->few->n;
-        return visit(s, space->few->item, (uint32_t)may, &far);
+        return visit(s, space->few->item, few_aim(space->few, &s->ray, far), &far);
     }
     for (size_t i = 0; i < space->n_unbounded; i++)
         if (visit(s, space->unbounded + i, 1, &far))
@@ -211,7 +217,7 @@ static bool is_better(const struct search *s, double t, uint32_t leaf)
 
     if (b->leaf == NO_LEAF || t != b->t)
         return t < b->t;
-    return rank(s->instance, leaf) < rank(b->instance, b->leaf);
+    return rank_of(s->instance, leaf) < rank_of(b->instance, b->leaf);
 }
 
 static double beyond(double t) { return t * (1 + 0x1p-52); }
@@ -389,16 +395,15 @@ bool geometry_blocked(const struct plan *p, struct scratch *s, struct ray ray, d
         return true;
     if (!search_space(&search, &p->geometry->space[0], visit_blocked))
         return false;
-    *last = (struct blocker) { by.leaf, by.instance, NO_BIT, true };
+    *last = (struct blocker) { by.leaf, by.instance, true };
     return true;
 }
 
 /* --- arrays of rays -------------------------------------------------------- */
 
-/* In small scenes all boxes are tried first.  In others, rays that lie
- * together go down the tree as a beam, and what it finds is tried so. */
-
-enum { MANY = 256 };                    /* rays at a time */
+/* In small scenes all boxes are tried.  In others, rays that lie together go
+ * down the tree as a beam, and what it finds is tried so: one thing after the
+ * other, against all of the rays. */
 
 static struct rays rays_from(const struct rays *r, int at, int most)
 {
@@ -449,16 +454,17 @@ static int next_group(struct pace *p, int left, bool *is_beam)
         return n;
     }
     *is_beam = true;
-    return left < most + BEAM_LEAST && left <= MANY ? left : most;
+    return left < most + BEAM_LEAST && left <= PACKET ? left : most;
 }
 
 /* After a beam of n rays: larger or smaller ones, or none for a while. */
 static void beam_went_well(struct pace *p, int n, int found)
 {
-    enum { LARGEST = 128, ROOM_FOR_MORE = 10 };
+    enum { ROOM_FOR_MORE = 10 };
+    int more = 2 * n < PACKET ? 2 * n : PACKET;
 
     p->wait = 0;
-    p->size = found <= ROOM_FOR_MORE && n < LARGEST ? 2 * n : n < BEAM_LEAST ? BEAM_LEAST : n;
+    p->size = found <= ROOM_FOR_MORE ? more : n < BEAM_LEAST ? BEAM_LEAST : n;
 }
 
 static void beam_went_badly(struct pace *p, int n)
@@ -516,11 +522,11 @@ static void take_convex(struct search *s, const struct csg *c, uint32_t part, do
 
 /* CSG of convex solids goes first, many rays at once; where that does not
  * know, the bit of may stays. */
-static void nearest_of_convex(struct search *s, const struct choice *c, uint32_t k,
+static void nearest_of_convex(struct search *s, const struct few *few, uint32_t k,
                               const struct rays *r, const uint8_t *mask, uint64_t *may,
                               struct meeting *out)
 {
-    const struct csg *csg = convex_of(s->plan, c->few->item[k]);
+    const struct csg *csg = convex_of(s->plan, few->item[k]);
     struct convex_work *w = s->s->convex;
 
     for (int at = 0; csg && convex_gather(w, r, may, k, &at);) {
@@ -543,28 +549,154 @@ static void nearest_of_convex(struct search *s, const struct choice *c, uint32_t
     }
 }
 
+static void volley_start(struct scratch *s, const struct choice *c, const struct rays *r,
+                         const double *far)
+{
+    struct volley *v = &s->volley;
+
+    packet_fill(&v->rays, r);
+    few_prepare(&v->rays, &v->inverse);
+    v->on_the_way = few_on_the_way(c->few, &v->rays, far);
+    s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
+}
+
+/* Asks a leaf about those of the asked rays that meet its box.  False: none. */
+static bool volley_leaf(struct scratch *s, const struct leaf *l, const struct few *few, int k,
+                        const double *far, struct lanes_asked *asked)
+{
+    struct volley *v = &s->volley;
+
+    if (leaf_is_quick(l) ? !lanes_any(asked, &v->rays)
+                         : !few_meet(few, k, &v->rays, &v->inverse, far, asked->bits))
+        return false;
+    s->counts.leaf_tests += (unsigned)v->rays.n;
+    leaf_hits_many(l, &v->rays, asked, &v->view);
+    return true;
+}
+
+/* The leaf that an item is, if it can be asked about many rays; else NULL. */
+static const struct leaf *hot_leaf(const struct plan *p, uint32_t item)
+{
+    const struct leaf *l = &p->leaf[item_number(item)];
+
+    return item_kind(item) == ITEM_LEAF && leaf_takes_many(l) ? l : NULL;
+}
+
+/* The rays that may see a leaf: seldom not all. */
+static struct lanes_asked lanes_that_see(const struct packet *p, const uint8_t *mask, uint8_t by)
+{
+    struct lanes_asked a = packet_all(p);
+
+    if ((by & RAY_PRIMARY) && (by & RAY_REFLECTED))
+        return a;
+    for (int i = 0; i < p->n; i++)
+        if (!(mask[i] & by))
+            a.bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
+    return a;
+}
+
+static void found_get(const struct found *f, int i, struct meeting *out)
+{
+    out->t = out->hit.t = f->t[i];
+    out->hit.slack = f->slack[i];
+    out->hit.u = (float)f->u[i];
+    out->hit.v = (float)f->v[i];
+    out->hit.part = (uint32_t)f->part[i];
+    out->leaf = f->rank[i] == NO_RANK ? NO_LEAF : rank_leaf(f->rank[i]);
+    out->instance = rank_instance(f->rank[i]);
+}
+
+static void found_put(struct found *f, int i, const struct meeting *m)
+{
+    f->t[i] = m->t;
+    f->slack[i] = m->hit.slack;
+    f->u[i] = (double)m->hit.u;
+    f->v[i] = (double)m->hit.v;
+    f->part[i] = m->hit.part;
+    f->rank[i] = rank_of(m->instance, m->leaf);
+}
+
+/* Which of some of the choice's things each of the asked rays may meet. */
+static void volley_aim(struct scratch *s, const struct few *few, uint32_t things,
+                       const double *far, const struct lanes_asked *asked, uint64_t may[])
+{
+    struct volley *v = &s->volley;
+
+    memset(may, 0, (size_t)v->rays.n * sizeof *may);
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        struct lanes_asked meets = *asked;
+        if (!few_meet(few, k, &v->rays, &v->inverse, far, meets.bits))
+            continue;
+        for (int i = 0; i < v->rays.n; i++)
+            may[i] |= (uint64_t)(meets.bits[i / WIDE] >> i % WIDE & 1) << k;
+    }
+}
+
+/* What is no hot leaf: CSG of convex solids first, the rest ray by ray. */
+static void nearest_of_rest(const struct plan *p, struct scratch *s, const struct few *few,
+                            uint32_t things, const struct rays *r, const uint8_t *mask)
+{
+    struct volley *v = &s->volley;
+    struct meeting best[PACKET];
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
+    struct lanes_asked all = packet_all(&v->rays);
+    uint64_t may[PACKET];
+    double far;
+
+    volley_aim(s, few, things, v->found.t, &all, may);
+    for (int i = 0; i < r->n; i++)
+        found_get(&v->found, i, &best[i]);
+    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
+        if (things >> k & 1)
+            nearest_of_convex(&search, few, k, r, mask, may, best);
+    for (int i = 0; i < r->n; i++) {
+        if (may[i]) {
+            search_for(&search, r, i, mask, best);
+            visit_nearest(&search, few->item, (uint32_t)may[i], &far);
+        }
+        if (best[i].leaf != NO_LEAF)
+            found_put(&v->found, i, &best[i]);
+    }
+}
+
+static void found_meetings(const struct plan *p, const struct found *f, int n,
+                           struct meeting *out)
+{
+    for (int i = 0; i < n; i++) {
+        out[i].leaf = NO_LEAF;
+        if (f->rank[i] == NO_RANK)
+            continue;
+        found_get(f, i, &out[i]);
+        out[i].flipped = p->leaf[out[i].leaf].inverse;
+    }
+}
+
+/* The rest last: by then it need not be looked for far away. */
 static void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
                               const struct rays *r, const uint8_t *mask, struct meeting *out)
 {
-    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
-    uint64_t may[MANY];
-    double far;
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
 
-    few_aim(c->few, r, NULL, may);
-    for (int i = 0; i < r->n; i++) {
-        out[i].t = INFINITY;
-        out[i].leaf = NO_LEAF;
-        out[i].instance = NO_INSTANCE;
-    }
-    for (int k = 0; k < c->few->n; k++)
-        nearest_of_convex(&search, c, (uint32_t)k, r, mask, may, out);
-    for (int i = 0; i < r->n; i++)
-        if (may[i]) {
-            search_for(&search, r, i, mask, out);
-            visit_nearest(&search, c->few->item, (uint32_t)may[i], &far);
+    volley_start(s, c, r, NULL);
+    found_start(&v->found, &v->rays, NULL);
+    for (uint32_t todo = v->on_the_way; todo; todo &= todo - 1) {
+        int k = __builtin_ctz(todo);
+        const struct leaf *l = hot_leaf(p, c->few->item[k]);
+        if (!l) {
+            rest |= 1u << k;
+            continue;
         }
+        struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
+        if (volley_leaf(s, l, c->few, k, v->found.t, &asked))
+            found_take(&v->found, &v->rays, &v->view.crossings,
+                       rank_of(NO_INSTANCE, item_number(c->few->item[k])));
+    }
+    if (rest)
+        nearest_of_rest(p, s, c->few, rest, r, mask);
+    found_meetings(p, &v->found, r->n, out);
     s->counts.rays += (unsigned)r->n;
-    s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
 
 /* Rays that go down the world's tree together. */
@@ -648,8 +780,8 @@ static void nearest_of_few(const struct plan *p, struct scratch *s, const struct
 {
     const struct choice all = { .few = p->geometry->space[0].few };
 
-    for (int at = 0; at < rays->n; at += MANY) {
-        struct rays some = rays_from(rays, at, MANY);
+    for (int at = 0; at < rays->n; at += PACKET) {
+        struct rays some = rays_from(rays, at, PACKET);
         nearest_of_choice(p, s, &all, &some, mask + at, out + at);
     }
 }
@@ -684,39 +816,52 @@ void geometry_nearest_many(const struct plan *p, struct scratch *s, const struct
         (p, s, rays, mask, out);
 }
 
-/* The last blocker first; then all that the ray may meet. */
-static bool few_block(struct search *s, const struct few *few, uint32_t may, struct blocker *last)
-{
-    uint64_t first = last->is_known && last->bit != NO_BIT ? (uint64_t)1 << last->bit & may : 0;
-    double far;
+/* ---- what stands between ---- */
 
-    if (first && blocks(s, last->item))
+static bool is_blocker(const struct plan *p, const struct leaf *l)
+{
+    return (l->mask & RAY_SHADOW) && p->surface[l->surface].is_opaque;
+}
+
+/* Takes the rays out of open that item k blocks; true: all are. */
+static bool close_many(const struct plan *p, struct scratch *s, const struct few *few, int k,
+                       const double *far, struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    const struct leaf *l = hot_leaf(p, few->item[k]);
+    struct lanes_asked asked = *open;
+
+    if (is_blocker(p, l) && volley_leaf(s, l, few, k, far, &asked))
+        crossings_close(&v->view.crossings, &v->rays, far, open);
+    return !lanes_any(open, &v->rays);
+}
+
+/* What stood in the way of the ray before (a bit) is tried first. */
+static bool one_is_blocked(struct search *s, const struct few *few, uint32_t may, uint32_t *last)
+{
+    double unused;
+
+    if (may & *last && visit_blocked(s, few->item, may & *last, &unused))
         return true;
-    for (may &= ~(uint32_t)first; may; may &= may - 1) {
-        uint32_t k = (uint32_t)__builtin_ctz(may);
-        if (visit_blocked(s, few->item + k, 1, &far)) {
-            *last = (struct blocker) { few->item[k], NO_INSTANCE, k, true };
+    for (may &= ~*last; may; may &= may - 1)
+        if (visit_blocked(s, few->item, may & -may, &unused)) {
+            *last = may & -may;
             return true;
         }
-    }
     return false;
 }
 
-static uint32_t bit_of(const struct blocker *b, const struct few *few)
+static void close_lane(struct lanes_asked *open, int i)
 {
-    if (b->is_known && b->instance == NO_INSTANCE)
-        for (int k = 0; k < few->n; k++)
-            if (few->item[k] == b->item)
-                return (uint32_t)k;
-    return NO_BIT;
+    open->bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
 }
 
 /* The same for shadow rays, whose bits go where the way is free. */
-static void blocked_by_convex(struct search *s, const struct choice *c, uint32_t k,
+static void blocked_by_convex(struct search *s, const struct few *few, uint32_t k,
                               const struct rays *r, const double *far, uint64_t *may,
-                              uint64_t *barrier)
+                              struct lanes_asked *open)
 {
-    const struct csg *csg = convex_of(s->plan, c->few->item[k]);
+    const struct csg *csg = convex_of(s->plan, few->item[k]);
     struct convex_work *w = s->s->convex;
 
     for (int at = 0; csg && (csg->mask & RAY_SHADOW) && convex_gather(w, r, may, k, &at);) {
@@ -732,40 +877,80 @@ static void blocked_by_convex(struct search *s, const struct choice *c, uint32_t
                 may[i] &= ~((uint64_t)1 << k);
             } else if (is_opaque(s, &s->plan->leaf[csg->part[w->part[j]].leaf])) {
                 may[i] = 0;
-                barrier[i] = BARRIER_OPAQUE;
+                close_lane(open, i);
             }
         }
     }
 }
 
-static void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
-                              const struct rays *r, const double *far, struct blocker *last,
-                              uint64_t *barrier)
+static void close_by_rest(const struct plan *p, struct scratch *s, const struct few *few,
+                          uint32_t things, const struct rays *r, const double *far,
+                          struct lanes_asked *open)
 {
+    struct volley *v = &s->volley;
     struct meeting by;
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
                              .best = &by };
-    uint64_t may[MANY];
+    uint64_t may[PACKET];
+    uint32_t last = 0;
 
-    last->bit = bit_of(last, c->few);
-    few_aim(c->few, r, far, may);
-    memset(barrier, 0, (size_t)r->n * sizeof *barrier);
-    for (int k = 0; k < c->few->n; k++)
-        blocked_by_convex(&search, c, (uint32_t)k, r, far, may, barrier);
-    for (int i = 0; i < r->n; i++) {
-        if (barrier[i] == BARRIER_OPAQUE)
+    volley_aim(s, few, things, far, open, may);
+    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
+        if (things >> k & 1)
+            blocked_by_convex(&search, few, k, r, far, may, open);
+    for (int i = 0; i < v->rays.n; i++) {
+        if (!may[i])
             continue;
-        uint64_t clear = may[i] & c->clear;
-        barrier[i] = clear && p->has_transparency ? clear | c->list : 0;
-        if (!(may[i] & c->opaque))
-            continue;
-        search.ray = rays_at(r, i);
+        search.ray = packet_ray(&v->rays, i);
         search.far = far[i];
-        if (few_block(&search, c->few, (uint32_t)(may[i] & c->opaque), last))
-            barrier[i] = BARRIER_OPAQUE;
+        if (one_is_blocked(&search, few, (uint32_t)may[i], &last))
+            close_lane(open, i);
     }
+}
+
+/* Leaves in open the rays that nothing opaque blocks. */
+static void close_blocked(const struct plan *p, struct scratch *s, const struct choice *c,
+                          const struct rays *r, const double *far, struct lanes_asked *open)
+{
+    uint32_t todo = (uint32_t)c->opaque & s->volley.on_the_way, rest = 0;
+
+    for (; todo; todo &= todo - 1) {
+        int k = __builtin_ctz(todo);
+        if (!hot_leaf(p, c->few->item[k]))
+            rest |= 1u << k;
+        else if (close_many(p, s, c->few, k, far, open))
+            return;
+    }
+    if (rest)
+        close_by_rest(p, s, c->few, rest, r, far, open);
+}
+
+/* The barriers of rays that nothing opaque blocks. */
+static void look_at_clear(struct scratch *s, const struct choice *c, const double *far,
+                          const struct lanes_asked *open, uint64_t *barrier)
+{
+    uint64_t may[PACKET];
+
+    volley_aim(s, c->few, (uint32_t)c->clear & s->volley.on_the_way, far, open, may);
+    for (int i = 0; i < s->volley.rays.n; i++)
+        if (may[i])
+            barrier[i] = may[i] | c->list;
+}
+
+static void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
+                              const struct rays *r, const double *far, uint64_t *barrier)
+{
+    struct volley *v = &s->volley;
+
+    volley_start(s, c, r, far);
+    memcpy(v->far, far, (size_t)r->n * sizeof *far);
+    struct lanes_asked open = packet_all(&v->rays);
+    close_blocked(p, s, c, r, v->far, &open);
+    for (int i = 0; i < r->n; i++)
+        barrier[i] = open.bits[i / WIDE] >> i % WIDE & 1 ? 0 : BARRIER_OPAQUE;
+    if (p->has_transparency)
+        look_at_clear(s, c, v->far, &open, barrier);
     s->counts.shadow_rays += (unsigned)r->n;
-    s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
 
 static void block(struct flock *f, int i)
@@ -785,7 +970,7 @@ static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const 
         double far;
         if (!visit_blocked(turn(f, i), item, bits[k], &far))
             continue;
-        *f->last = (struct blocker) { f->search.best->leaf, f->search.best->instance, NO_BIT, true };
+        *f->last = (struct blocker) { f->search.best->leaf, f->search.best->instance, true };
         block(f, i);
     }
 }
@@ -875,14 +1060,14 @@ static void blocked_by_streams(const struct plan *p, struct scratch *s, const st
 }
 
 static void blocked_by_few(const struct plan *p, struct scratch *s, const struct rays *rays,
-                           const double *far, struct blocker *last, uint64_t *barrier)
+                           const double *far, uint64_t *barrier)
 {
     const struct space *world = &p->geometry->space[0];
     const struct choice all = { world->few, world->opaque, world->clear, 0 };
 
-    for (int at = 0; at < rays->n; at += MANY) {
-        struct rays some = rays_from(rays, at, MANY);
-        blocked_by_choice(p, s, &all, &some, far + at, last, barrier + at);
+    for (int at = 0; at < rays->n; at += PACKET) {
+        struct rays some = rays_from(rays, at, PACKET);
+        blocked_by_choice(p, s, &all, &some, far + at, barrier + at);
     }
 }
 
@@ -912,7 +1097,7 @@ static void blocked_by_beams(const struct plan *p, struct scratch *s, const stru
         } else if (beam(&p->geometry->space[0], s, &some, far + at, &c)) {
             beam_went_well(pace, n, c.few->n);
             c.list = p->has_transparency && c.clear ? keep_list(s, c.few) : 0;
-            blocked_by_choice(p, s, &c, &some, far + at, last, barrier + at);
+            blocked_by_choice(p, s, &c, &some, far + at, barrier + at);
         } else {
             beam_went_badly(pace, n);
             n = 0;
@@ -928,7 +1113,7 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
     struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
 
     if (world->few)
-        blocked_by_few(p, s, rays, far, last, barrier);
+        blocked_by_few(p, s, rays, far, barrier);
     else if (world->candidate)
         blocked_by_beams(p, s, rays, far, light, last, barrier);
     else
@@ -941,7 +1126,7 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
 static void keep(struct search *s, const struct hit *h, uint32_t leaf)
 {
     struct meeting *m = s->s->crossing;
-    uint64_t own = rank(s->instance, leaf);
+    int64_t own = rank_of(s->instance, leaf);
     size_t at = s->n_crossing;
 
     if (h->t < s->after_t || (h->t == s->after_t && own <= s->after))
@@ -949,13 +1134,13 @@ static void keep(struct search *s, const struct hit *h, uint32_t leaf)
     if (at == MOST_CROSSINGS) {
         at--;
         s->is_full = true;
-        if (h->t > m[at].t || (h->t == m[at].t && own > rank(m[at].instance, m[at].leaf)))
+        if (h->t > m[at].t || (h->t == m[at].t && own > rank_of(m[at].instance, m[at].leaf)))
             return;
     } else {
         s->n_crossing++;
     }
     for (; at > 0 && (m[at - 1].t > h->t || (m[at - 1].t == h->t
-                                             && rank(m[at - 1].instance, m[at - 1].leaf) > own)); at--)
+                                             && rank_of(m[at - 1].instance, m[at - 1].leaf) > own)); at--)
         m[at] = m[at - 1];
     m[at] = (struct meeting) { h->t, *h, leaf, s->instance, s->plan->leaf[leaf].inverse };
 }
@@ -1077,7 +1262,7 @@ static bool search_all(struct search *s, const struct space *space, uint32_t lig
         return true;
     if (!search_space(s, space, visit_crossings))
         return false;
-    *last = (struct blocker) { s->best->leaf, s->best->instance, NO_BIT, true };
+    *last = (struct blocker) { s->best->leaf, s->best->instance, true };
     return true;
 }
 
@@ -1115,7 +1300,7 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
                         bool (*visit)(void *arg, const struct meeting *m), void *arg)
 {
     double after_t = 0;
-    uint64_t after = 0;
+    int64_t after = 0;
     bool more = true;
 
     while (more) {
@@ -1132,7 +1317,7 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
         if (more) {
             const struct meeting *last = &s->crossing[search.n_crossing - 1];
             after_t = last->t;
-            after = rank(last->instance, last->leaf);
+            after = rank_of(last->instance, last->leaf);
         }
     }
     return true;

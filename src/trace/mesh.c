@@ -192,10 +192,10 @@ INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, doubl
     return false;
 }
 
-/* So few faces are sooner tried than a ray is prepared for their tree. */
 enum { FEW_FACES = 6 };
 
 INLINE bool is_tiny(const struct mesh_tree *t) { return t->tree.n_item <= FEW_FACES; }
+bool mesh_is_tiny(const struct mesh_tree *t) { return is_tiny(t); }
 
 INLINE uint32_t all_faces(const struct mesh_tree *t) { return (1u << t->tree.n_item) - 1; }
 
@@ -212,6 +212,50 @@ bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double
     } else
         walk(t, ray, near, far, visit_nearest, &s, box_tests);
     return s.n > 0;
+}
+
+/* The nearest of one register of rays. */
+struct wide_nearest { wide t, u, v, slack; wide_ints face; };
+
+INLINE void try_face(const struct mesh *m, uint32_t face, const struct wide_triangle_ray *r,
+                     struct wide_nearest *best, wide_mask *unsure)
+{
+    const vec3 a = *corner(m, face, 0), b = *corner(m, face, 1), c = *corner(m, face, 2);
+    struct wide_triangle_hit h;
+    wide_mask met = wide_triangle_cross(r, a, b, c, &h, unsure) & wide_below(wide_of(0), h.t);
+
+    met &= wide_below(h.t, best->t)
+           | (wide_equal(h.t, best->t) & wide_ints_below(wide_ints_of(face), best->face));
+    if (!wide_bits(met))
+        return;
+    best->t = wide_pick(met, h.t, best->t);
+    best->u = wide_pick(met, h.u, best->u);
+    best->v = wide_pick(met, h.v, best->v);
+    best->slack = wide_pick(met, wide_triangle_slack(r, a, b, c), best->slack);
+    best->face = wide_pick_ints(met, wide_ints_of(face), best->face);
+}
+
+void mesh_nearest_many(const struct mesh_tree *t, const struct packet *p, const uint8_t may[],
+                       struct crossings *out)
+{
+    out->most = 1;
+    out->has_weights = true;
+    for (int at = 0, k = 0; at < p->n; at += WIDE, k++) {
+        out->met[k] = out->unsure[k] = 0;
+        if (!may[k])
+            continue;
+        struct wide_ray ray = packet_rays(p, at);
+        struct wide_triangle_ray r = wide_triangle_ray(&ray);
+        struct wide_nearest best = { .t = wide_of(INFINITY) };
+        wide_mask unsure = wide_mask_of(0);
+        for (size_t i = 0; i < t->tree.n_item; i++)
+            try_face(t->mesh, t->tree.item[i], &r, &best, &unsure);
+        out->unsure[k] = (uint8_t)(wide_bits(unsure) & may[k]);
+        out->met[k] = (uint8_t)(wide_bits(wide_is_finite(best.t) & wide_not(unsure)) & may[k]);
+        crossings_put(out, 0, at, best.t, best.slack, best.face);
+        wide_store(out->u + at, best.u);
+        wide_store(out->v + at, best.v);
+    }
 }
 
 static bool is_after(const struct hit *a, const struct hit *b)

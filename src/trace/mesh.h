@@ -3,6 +3,7 @@
 #define RTC_MESH_H
 
 #include "scene/object.h"
+#include "shape/packet.h"
 #include "trace/bvh.h"
 #include "trace/sieve.h"
 
@@ -21,6 +22,13 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
  * its second and third vertex.  Of equal t, the first face's. */
 bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double far,
                   struct hit *out, unsigned long long *box_tests);
+
+/* So few faces are sooner tried one after the other than by their tree.  Then
+ * the nearest crossing with t > 0 of many rays, to the bit what mesh_nearest
+ * says (packet.h): t[0] and what belongs to it. */
+bool mesh_is_tiny(const struct mesh_tree *t);
+void mesh_nearest_many(const struct mesh_tree *t, const struct packet *p, const uint8_t may[],
+                       struct crossings *out);
 
 /* All crossings of near < t < far, in increasing t; no more than room. */
 int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far,
