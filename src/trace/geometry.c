@@ -29,13 +29,17 @@ struct pace { int size, rest, wait; };
 enum { MOST_LISTS = 16 };
 
 /* Crossings of light that were found ahead: those of each ray in order. */
-enum { MOST_KEPT = 512, KEPT_END = MOST_KEPT };
+enum { MOST_KEPT = 512, KEPT_END, KEPT_TOO_MANY };
 struct kept { struct meeting m; uint32_t next; };
+
+/* A barrier that is a list of them: its first's number below. */
+#define BARRIER_KEPT ((uint64_t)1 << 62)
 
 /* A packet of rays on its way through the choice. */
 struct volley {
     struct packet rays;
-    struct inverses inverse;
+    struct inverses inverse;            /* once something asks */
+    bool has_inverse;
     struct found found;
     struct leaf_view view;
     double far[PACKET];
@@ -555,9 +559,19 @@ static void volley_start(struct scratch *s, const struct choice *c, const struct
     struct volley *v = &s->volley;
 
     packet_fill(&v->rays, r);
-    few_prepare(&v->rays, &v->inverse);
+    v->has_inverse = false;
     v->on_the_way = few_on_the_way(c->few, &v->rays, far);
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
+}
+
+/* Leaves in asked the rays that may meet the box of item k. */
+static bool volley_meets(struct volley *v, const struct few *few, int k, const double *far,
+                         struct lanes_asked *asked)
+{
+    if (!v->has_inverse)
+        few_prepare(&v->rays, &v->inverse);
+    v->has_inverse = true;
+    return few_meet(few, k, &v->rays, &v->inverse, far, asked->bits);
 }
 
 /* Asks a leaf about those of the asked rays that meet its box.  False: none. */
@@ -567,7 +581,7 @@ static bool volley_leaf(struct scratch *s, const struct leaf *l, const struct fe
     struct volley *v = &s->volley;
 
     if (leaf_is_quick(l) ? !lanes_any(asked, &v->rays)
-                         : !few_meet(few, k, &v->rays, &v->inverse, far, asked->bits))
+                         : !volley_meets(v, few, k, far, asked))
         return false;
     s->counts.leaf_tests += (unsigned)v->rays.n;
     leaf_hits_many(l, &v->rays, asked, &v->view);
@@ -626,7 +640,7 @@ static void volley_aim(struct scratch *s, const struct few *few, uint32_t things
     for (; things; things &= things - 1) {
         int k = __builtin_ctz(things);
         struct lanes_asked meets = *asked;
-        if (!few_meet(few, k, &v->rays, &v->inverse, far, meets.bits))
+        if (!volley_meets(v, few, k, far, &meets))
             continue;
         for (int i = 0; i < v->rays.n; i++)
             may[i] |= (uint64_t)(meets.bits[i / WIDE] >> i % WIDE & 1) << k;
@@ -925,16 +939,107 @@ static void close_blocked(const struct plan *p, struct scratch *s, const struct 
         close_by_rest(p, s, c->few, rest, r, far, open);
 }
 
-/* The barriers of rays that nothing opaque blocks. */
-static void look_at_clear(struct scratch *s, const struct choice *c, const double *far,
-                          const struct lanes_asked *open, uint64_t *barrier)
+/* ---- what light passes through, found ahead ---- */
+
+static bool is_filter(const struct plan *p, const struct leaf *l)
 {
+    return (l->mask & RAY_SHADOW) && !p->surface[l->surface].is_opaque;
+}
+
+static bool comes_after(const struct meeting *m, const struct hit *h, int64_t rank)
+{
+    return m->t > h->t || (m->t == h->t && rank_of(m->instance, m->leaf) > rank);
+}
+
+/* Into the list that begins at first, in the order of geometry_crossings. */
+static void keep_ahead(const struct plan *p, struct scratch *s, uint32_t *first,
+                       const struct hit *h, uint32_t leaf)
+{
+    uint32_t *link = first;
+
+    if (*first == KEPT_TOO_MANY)
+        return;
+    if (s->n_kept == MOST_KEPT) {
+        *first = KEPT_TOO_MANY;
+        return;
+    }
+    while (*link != KEPT_END
+           && !comes_after(&s->kept[*link].m, h, rank_of(NO_INSTANCE, leaf)))
+        link = &s->kept[*link].next;
+    s->kept[s->n_kept] = (struct kept) { { h->t, *h, leaf, NO_INSTANCE, p->leaf[leaf].inverse },
+                                         *link };
+    *link = s->n_kept++;
+}
+
+static void keep_crossings(const struct plan *p, struct scratch *s, uint32_t leaf,
+                           const double *far, uint32_t first[])
+{
+    const struct crossings *c = &s->volley.view.crossings;
+    struct hit hit[2];
+
+    for (int k = 0; k * WIDE < s->volley.rays.n; k++)
+        for (unsigned bits = c->met[k]; bits; bits &= bits - 1) {
+            int i = k * WIDE + __builtin_ctz(bits), n = crossings_at(c, i, hit);
+            for (int j = 0; j < n; j++)
+                if (hit[j].t > 0 && hit[j].t < far[i])
+                    keep_ahead(p, s, &first[i], &hit[j], leaf);
+        }
+}
+
+/* All that the open rays cross of these hot leaves, a list a ray. */
+static void look_ahead(const struct plan *p, struct scratch *s, const struct few *few,
+                       uint32_t things, const double *far, const struct lanes_asked *open,
+                       uint64_t *barrier)
+{
+    uint32_t first[PACKET];
+
+    for (int i = 0; i < s->volley.rays.n; i++)
+        first[i] = KEPT_END;
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = hot_leaf(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (is_filter(p, l) && volley_leaf(s, l, few, k, far, &asked))
+            keep_crossings(p, s, item_number(few->item[k]), far, first);
+    }
+    for (int i = 0; i < s->volley.rays.n; i++)
+        if (first[i] != KEPT_END)
+            barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_ANY : BARRIER_KEPT | first[i];
+}
+
+/* Of a mesh hits_many tells the nearest crossing only. */
+static uint32_t all_hot(const struct plan *p, const struct few *few, uint32_t things)
+{
+    uint32_t hot = 0;
+
+    for (; things; things &= things - 1) {
+        const struct leaf *l = hot_leaf(p, few->item[__builtin_ctz(things)]);
+        hot |= l && l->ops ? things & -things : 0;
+    }
+    return hot;
+}
+
+/* The barriers of rays that nothing opaque blocks.  Those that may meet
+ * something that is no hot leaf look at all of it later, ray by ray. */
+static void look_at_clear(const struct plan *p, struct scratch *s, const struct choice *c,
+                          const double *far, struct lanes_asked *open, uint64_t *barrier)
+{
+    uint32_t things = (uint32_t)c->clear & s->volley.on_the_way;
+    uint32_t hot = all_hot(p, c->few, things);
+    struct lanes_asked late = *open;
     uint64_t may[PACKET];
 
-    volley_aim(s, c->few, (uint32_t)c->clear & s->volley.on_the_way, far, open, may);
-    for (int i = 0; i < s->volley.rays.n; i++)
-        if (may[i])
-            barrier[i] = may[i] | c->list;
+    if (things != hot) {
+        volley_aim(s, c->few, things & ~hot, far, open, may);
+        for (int i = 0; i < s->volley.rays.n; i++)
+            close_lane(may[i] ? open : &late, i);
+        volley_aim(s, c->few, things, far, &late, may);
+        for (int i = 0; i < s->volley.rays.n; i++)
+            if (may[i])
+                barrier[i] = may[i] | c->list;
+    }
+    if (hot)
+        look_ahead(p, s, c->few, hot, far, open, barrier);
 }
 
 static void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
@@ -949,7 +1054,7 @@ static void blocked_by_choice(const struct plan *p, struct scratch *s, const str
     for (int i = 0; i < r->n; i++)
         barrier[i] = open.bits[i / WIDE] >> i % WIDE & 1 ? 0 : BARRIER_OPAQUE;
     if (p->has_transparency)
-        look_at_clear(s, c, v->far, &open, barrier);
+        look_at_clear(p, s, c, v->far, &open, barrier);
     s->counts.shadow_rays += (unsigned)r->n;
 }
 
@@ -1112,6 +1217,7 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
     struct blocker none = { .is_known = false };
     struct blocker *last = light < s->n_blocker ? &s->blocker[light] : &none;
 
+    s->n_kept = 0;
     if (world->few)
         blocked_by_few(p, s, rays, far, barrier);
     else if (world->candidate)
@@ -1293,6 +1399,13 @@ bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, dou
     return !search_barrier(&search, &p->geometry->space[0], light, barrier);
 }
 
+static void visit_kept(const struct scratch *s, uint32_t first,
+                       bool (*visit)(void *arg, const struct meeting *m), void *arg)
+{
+    while (first != KEPT_END && visit(arg, &s->kept[first].m))
+        first = s->kept[first].next;
+}
+
 /* When more were found than could be kept, the search is repeated beyond the
  * last one visited. */
 bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray, double far,
@@ -1303,6 +1416,10 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
     int64_t after = 0;
     bool more = true;
 
+    if ((barrier & (BARRIER_ANY | BARRIER_KEPT)) == BARRIER_KEPT) {
+        visit_kept(s, (uint32_t)barrier, visit, arg);
+        return;
+    }
     while (more) {
         struct meeting by;
         struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
