@@ -33,7 +33,7 @@ enum { MOST_KEPT = 512, KEPT_END, KEPT_TOO_MANY };
 struct kept { struct meeting m; uint32_t next; };
 
 /* A barrier that is a list of them: its first's number below. */
-#define BARRIER_KEPT ((uint64_t)1 << 62)
+#define BARRIER_KEPT ((uint64_t)1 << 61)
 
 /* A packet of rays on its way through the choice. */
 struct volley {
@@ -1004,7 +1004,7 @@ static void look_ahead(const struct plan *p, struct scratch *s, const struct few
     }
     for (int i = 0; i < s->volley.rays.n; i++)
         if (first[i] != KEPT_END)
-            barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_ANY : BARRIER_KEPT | first[i];
+            barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_CLEAR : BARRIER_KEPT | first[i];
 }
 
 /* Of a mesh hits_many tells the nearest crossing only. */
@@ -1396,6 +1396,11 @@ bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, dou
                              .mask = RAY_SHADOW, .far = far, .best = &by, .tally = count };
 
     memset(count, 0, (size_t)p->n_tally * sizeof *count);
+    if (barrier & BARRIER_KEPT) {
+        for (uint32_t i = (uint32_t)barrier; i != KEPT_END; i = s->kept[i].next)
+            count[p->surface[p->leaf[s->kept[i].m.leaf].surface].tally]++;
+        return true;
+    }
     return !search_barrier(&search, &p->geometry->space[0], light, barrier);
 }
 
@@ -1416,9 +1421,9 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
     int64_t after = 0;
     bool more = true;
 
-    if ((barrier & (BARRIER_ANY | BARRIER_KEPT)) == BARRIER_KEPT) {
+    if (barrier & BARRIER_KEPT) {
         visit_kept(s, (uint32_t)barrier, visit, arg);
-        return;
+        return true;
     }
     while (more) {
         struct meeting by;
