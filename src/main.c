@@ -41,13 +41,16 @@ struct run {
 
 /* --- the world ----------------------------------------------------------- */
 
-/* Called wherever memory runs out, from any thread. */
+/* Called wherever memory runs out, from any thread; 0: the system's own. */
 static void out_of_memory(size_t limit)
 {
     static const char text[] =
         "rtc: error: the scene needs more than %.6g MiB of memory; --max-memory allows more\n";
 
-    fprintf(stderr, text, (double)limit / (1 << 20));
+    if (limit)
+        fprintf(stderr, text, (double)limit / (1 << 20));
+    else
+        fputs("rtc: error: the scene needs more memory than the system gives\n", stderr);
     fflush(NULL);
     stop_now(EXIT_LIMIT);
 }

@@ -23,12 +23,17 @@ void arena_init(struct arena *a, struct budget *budget)
     *a = (struct arena) { .budget = budget };
 }
 
-static void fail(const struct arena *a)
+static void fail(const struct arena *a, size_t limit)
 {
     if (a->budget && a->budget->exceeded)
-        a->budget->exceeded(a->budget->limit);
+        a->budget->exceeded(limit);
     fputs("rtc: out of memory\n", stderr);
     exit(4);
+}
+
+static void fail_at_limit(const struct arena *a)
+{
+    fail(a, a->budget ? a->budget->limit : 0);
 }
 
 static void charge(struct arena *a, size_t size)
@@ -37,7 +42,7 @@ static void charge(struct arena *a, size_t size)
         return;
     size_t used = atomic_fetch_add(&a->budget->used, size) + size;
     if (a->budget->limit && used > a->budget->limit)
-        fail(a);
+        fail_at_limit(a);
 }
 
 /* Blocks double, so that a small scene costs one page or four and a large
@@ -53,7 +58,7 @@ static struct arena_block *new_block(struct arena *a, size_t need)
     charge(a, size);
     struct arena_block *b = calloc(1, size);
     if (!b)
-        fail(a);
+        fail(a, 0);
     b->size = size;
     b->used = HEADER;
     b->before = a->block;
@@ -64,7 +69,7 @@ static struct arena_block *new_block(struct arena *a, size_t need)
 void *arena_alloc_aligned(struct arena *a, size_t size, size_t align)
 {
     if (size > SIZE_MAX / 4)
-        fail(a);
+        fail_at_limit(a);
     struct arena_block *b = a->block;
     if (b) {
         uintptr_t at = ((uintptr_t)b + b->used + align - 1) & ~(uintptr_t)(align - 1);
@@ -88,7 +93,7 @@ void *arena_array(struct arena *a, size_t n, size_t size)
     size_t total;
 
     if (__builtin_mul_overflow(n, size, &total))
-        fail(a);
+        fail_at_limit(a);
     return arena_alloc(a, total);
 }
 

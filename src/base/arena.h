@@ -6,8 +6,8 @@
 #include <stddef.h>
 
 /* How much all arenas together may hold.  When an allocation would exceed
- * the limit (or the system has no more), exceeded(limit) is called and must
- * not return: running out of memory is a limit reached, never a NULL. */
+ * the limit, exceeded(limit) is called, when the system has no more,
+ * exceeded(0); it must not return: running out of memory is a limit reached, never a NULL. */
 struct budget {
     _Atomic size_t used;                /* bytes */
     size_t limit;                       /* bytes; 0: none */
