@@ -9,6 +9,7 @@
 #include "trace/film.h"
 #include "trace/insides.h"
 #include "trace/light.h"
+#include "trace/parked.h"
 #include "scene/picture.h"
 #include "trace/program.h"
 #include "trace/render.h"
@@ -291,7 +292,7 @@ START_TEST(test_a_power_is_taken_of_the_whole_sum)
     film_add(&f, inner, rgb_of(1, 0, 0));
     film_add(&f, inner, rgb_of(2, 0, 0));
     film_add(&f, outer, rgb_of(7, 0, 0));
-    film_settle(&f);
+    film_settle(&f, f.n_pixel);
     ck_assert_double_eq_tol(f.sum[1][0], 0.5 * sqrt(7 + 9), 1e-12);
     ck_assert_double_eq(f.sum[0][0], 0);
     film_release(&f);
@@ -330,6 +331,108 @@ START_TEST(test_a_wave_keeps_its_rays_as_it_grows)
     ck_assert(w.room >= 1000);
     ck_assert(w.x[999] == 999 && w.pixel[500] == 500 && w.depth[13] == 6);
     wave_release(&w);
+}
+END_TEST
+
+static void push_pixel(struct wave *w, uint32_t pixel, double x)
+{
+    wave_reserve(w, w->n + 1);
+    w->x[w->n] = x;
+    w->pixel[w->n++] = pixel;
+}
+
+/* A wave, what waits, and what they refer to. */
+struct traffic {
+    struct wave wave;
+    struct parked parked;
+    struct insides insides;
+    struct film film;
+};
+
+static void traffic_init(struct traffic *t)
+{
+    *t = (struct traffic) { 0 };
+    insides_init(&t->insides);
+    film_start(&t->film, 4);
+}
+
+static void traffic_release(struct traffic *t)
+{
+    wave_release(&t->wave);
+    parked_release(&t->parked);
+    insides_release(&t->insides);
+    film_release(&t->film);
+}
+
+static void park(struct traffic *t, int most)
+{
+    parked_push(&t->parked, &t->wave, most, &t->insides, &t->film);
+}
+
+static bool pop(struct traffic *t)
+{
+    return parked_pop(&t->parked, &t->wave, &t->insides, &t->film);
+}
+
+START_TEST(test_rays_of_some_pixels_wait_and_come_back)
+{
+    struct traffic t;
+
+    traffic_init(&t);
+    uint32_t hidden = film_branch(&t.film, 3, rgb_of(1, 1, 1), 2);
+    const uint32_t pixel[] = { 3, 0, hidden, 0, 3 };
+    for (int i = 0; i < 5; i++)
+        push_pixel(&t.wave, pixel[i], i);
+    park(&t, 2);
+    ck_assert_int_eq(t.wave.n, 2);
+    ck_assert_double_eq(t.wave.x[0], 1);
+    ck_assert_double_eq(t.wave.x[1], 3);
+    t.wave.n = 0;
+    ck_assert(pop(&t));
+    ck_assert_int_eq(t.wave.n, 3);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq(t.wave.x[i], 2 * i);
+    ck_assert_uint_eq(t.wave.pixel[1], hidden);
+    ck_assert(!pop(&t));
+    traffic_release(&t);
+}
+END_TEST
+
+START_TEST(test_rays_of_one_pixel_wait_by_their_order)
+{
+    struct traffic t;
+
+    traffic_init(&t);
+    for (int i = 0; i < 7; i++)
+        push_pixel(&t.wave, 2, i);
+    park(&t, 4);
+    ck_assert_int_eq(t.wave.n, 4);
+    t.wave.n = 0;
+    ck_assert(pop(&t));
+    ck_assert_int_eq(t.wave.n, 3);
+    ck_assert_double_eq(t.wave.x[0], 4);
+    traffic_release(&t);
+}
+END_TEST
+
+START_TEST(test_what_came_after_parked_rays_is_over_when_they_come_back)
+{
+    struct surface glass = { 0 };
+    struct traffic t;
+
+    traffic_init(&t);
+    push_pixel(&t.wave, 0, 0);
+    push_pixel(&t.wave, 1, 0);
+    uint32_t n = t.insides.n;
+    park(&t, 1);
+    insides_enter(&t.insides, 0, &glass, 0);
+    film_add(&t.film, film_branch(&t.film, 0, rgb_of(1, 1, 1), 2), rgb_of(3, 0, 0));
+    t.wave.n = 0;
+    ck_assert(pop(&t));
+    ck_assert_uint_eq(t.insides.n, n);
+    ck_assert_uint_eq(t.film.n, t.film.n_pixel);
+    ck_assert_double_eq(t.film.sum[0][0], 9);
+    traffic_release(&t);
 }
 END_TEST
 
@@ -505,6 +608,9 @@ static void add_tests(TCase *c)
     tcase_add_test(c, test_a_power_is_taken_of_the_whole_sum);
     tcase_add_test(c, test_leaving_from_the_middle_keeps_the_others);
     tcase_add_test(c, test_a_wave_keeps_its_rays_as_it_grows);
+    tcase_add_test(c, test_rays_of_some_pixels_wait_and_come_back);
+    tcase_add_test(c, test_rays_of_one_pixel_wait_by_their_order);
+    tcase_add_test(c, test_what_came_after_parked_rays_is_over_when_they_come_back);
 }
 
 int main(void)

@@ -34,9 +34,9 @@ uint32_t film_branch(struct film *f, uint32_t parent, rgb weight, float power)
 }
 
 /* From the last: what a hidden pixel sees stands behind it. */
-void film_settle(struct film *f)
+void film_settle(struct film *f, uint32_t first)
 {
-    while (f->n > f->n_pixel) {
+    while (f->n > first) {
         const struct film_branch *b = &f->branch[--f->n];
         const float weight[] = { b->weight.r, b->weight.g, b->weight.b };
         for (int k = 0; k < 3; k++)

@@ -21,8 +21,16 @@ struct film {
 
 void film_start(struct film *f, uint32_t n_pixel);      /* all black */
 uint32_t film_branch(struct film *f, uint32_t parent, rgb weight, float power);
-void film_settle(struct film *f);                       /* hidden pixels into their parents */
+void film_settle(struct film *f, uint32_t first);       /* hidden pixels from first on, into their parents */
 void film_release(struct film *f);
+
+/* The pixel of the tile that a pixel, hidden or not, is for. */
+static inline uint32_t film_root(const struct film *f, uint32_t pixel)
+{
+    while (pixel >= f->n_pixel)
+        pixel = f->branch[pixel].parent;
+    return pixel;
+}
 
 static inline void film_add(struct film *f, uint32_t pixel, rgb c)
 {

@@ -13,6 +13,7 @@ enum {
     TILE_WIDTH = 32, TILE_HEIGHT = 16,
     WAVE_RAYS = 1024,                   /* of one pass over a tile, about */
     TILES_BY_ROW = 2,                   /* a thread: the last ones */
+    GRACE = 2,                          /* seconds for the rows under way once a stop is wanted */
     STACK_BYTES = 64 << 20,             /* pigments nest as deeply as a scene's blocks may */
 };
 
@@ -40,6 +41,7 @@ struct gang {
     unsigned rows_done;
     double area_done;                   /* pixels */
     double rays, last_progress;
+    _Atomic double stopped;             /* when the stop was seen; 0: it was not */
     struct render_stats *stats;
 };
 
@@ -184,7 +186,8 @@ static void aim(struct worker *w, const struct render_options *o, const struct t
     w->counts.primary += w->now.n;
 }
 
-static void trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
+/* False: it was given up. */
+static bool trace_tile(struct worker *w, const struct render_options *o, const struct tile *t)
 {
     unsigned n_pixel = t->width * t->height, n_sample = o->samples_side * o->samples_side;
     unsigned at_once = WAVE_RAYS > n_pixel ? WAVE_RAYS / n_pixel : 1;
@@ -192,8 +195,10 @@ static void trace_tile(struct worker *w, const struct render_options *o, const s
     film_start(&w->film, n_pixel);
     for (unsigned s = 0; s < n_sample; s += at_once) {
         aim(w, o, t, s, least(s + at_once, n_sample));
-        worker_trace(w);
+        if (!worker_trace(w))
+            return false;
     }
+    return true;
 }
 
 KERNEL static void average(int n, const double *restrict sum, double count, float *restrict out)
@@ -216,6 +221,19 @@ static void develop(const struct worker *w, const struct render_options *o, cons
 /* ---- sharing out ---- */
 
 static bool is_stopped(const struct gang *g) { return g->o->stop && *g->o->stop; }
+
+/* A pixel may take for ever: rows that are not done soon after a stop are
+ * given up. */
+static bool is_late(void *gang)
+{
+    struct gang *g = gang;
+
+    if (!is_stopped(g))
+        return false;
+    if (g->stopped == 0)
+        g->stopped = now();
+    return now() - g->stopped > GRACE;
+}
 
 static struct band *band_of(const struct gang *g, const struct tile *t)
 {
@@ -305,6 +323,14 @@ static void deliver(struct gang *g)
     g->delivering = false;
 }
 
+static void give_up(struct gang *g)
+{
+    pthread_mutex_lock(&g->lock);
+    g->ended = true;
+    pthread_cond_broadcast(&g->moved);
+    pthread_mutex_unlock(&g->lock);
+}
+
 static void finish_part(struct gang *g, const struct tile *t, double rays)
 {
     struct band *b = band_of(g, t);
@@ -346,9 +372,14 @@ static void *work(void *arg)
     struct tile t;
 
     worker_init(&w, g->plan);
+    w.give_up = is_late;
+    w.give_up_arg = g;
     while (take(g, &t)) {
         double before = rays_of(&w);
-        trace_tile(&w, g->o, &t);
+        if (!trace_tile(&w, g->o, &t)) {
+            give_up(g);
+            break;
+        }
         develop(&w, g->o, &t, band_of(g, &t)->pixels);
         finish_part(g, &t, rays_of(&w) - before);
     }

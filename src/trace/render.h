@@ -12,7 +12,7 @@ struct render_options {
     unsigned crop_x, crop_y, crop_width, crop_height;   /* the part that is rendered */
     unsigned samples_side;              /* N rays a pixel on a regular grid: its side, sqrt N */
     unsigned threads;
-    const volatile sig_atomic_t *stop;  /* not 0: end after the rows under way */
+    const volatile sig_atomic_t *stop;  /* not 0: end after the rows under way, if they end soon */
     /* Rows arrive once each, top to bottom in bands; linear working-space
      * floats, 4 a pixel (red, green, blue, transmit).  false ends the render. */
     bool (*rows)(void *arg, unsigned first, unsigned count, const float *pixels);

@@ -27,6 +27,15 @@ struct wave {
 void wave_reserve(struct wave *w, int room);
 void wave_release(struct wave *w);
 
+/* The i-th of another wave becomes the last; room is reserved. */
+static inline void wave_move(struct wave *to, const struct wave *from, int i)
+{
+#define C(type, name) to->name[to->n] = from->name[i];
+    WAVE_COLUMNS(C)
+#undef C
+    to->n++;
+}
+
 static inline struct ray wave_at(const struct wave *w, int i)
 {
     return (struct ray) { { w->x[i], w->y[i], w->z[i] }, { w->dx[i], w->dy[i], w->dz[i] } };

@@ -7,7 +7,10 @@
 #include "trace/shade.h"
 #include "trace/sky.h"
 
-enum { MOST_SURROUNDING = 64 };         /* solids around a camera that are noticed */
+enum {
+    MOST_SURROUNDING = 64,              /* solids around a camera that are noticed */
+    MOST_RAYS = 8192,                   /* of a wave */
+};
 
 static int largest_grid(const struct shader *s)
 {
@@ -43,6 +46,7 @@ void worker_release(struct worker *w)
 {
     wave_release(&w->now);
     wave_release(&w->next);
+    parked_release(&w->parked);
     film_release(&w->film);
     insides_release(&w->insides);
     free(w->meeting);
@@ -174,18 +178,42 @@ static void trade_waves(struct worker *w)
     w->next.n = 0;
 }
 
-void worker_trace(struct worker *w)
+static void follow(struct worker *w)
+{
+    reserve_hits(w, w->now.n);
+    meet(w);
+    sky_fog(w);
+    sky_show(w);
+    int n = list_hits(w);
+    sort_hits(w, n);
+    shade_all(w, n);
+    trade_waves(w);
+}
+
+/* What comes of a wave may be twice its size and more, a hundred times over:
+ * beyond MOST_RAYS the rest waits. */
+static bool follow_all(struct worker *w)
 {
     while (w->now.n) {
-        reserve_hits(w, w->now.n);
-        meet(w);
-        sky_fog(w);
-        sky_show(w);
-        int n = list_hits(w);
-        sort_hits(w, n);
-        shade_all(w, n);
-        trade_waves(w);
+        if (w->give_up && w->give_up(w->give_up_arg))
+            return false;
+        while (w->now.n > MOST_RAYS)
+            parked_push(&w->parked, &w->now, MOST_RAYS, &w->insides, &w->film);
+        follow(w);
     }
-    film_settle(&w->film);
+    return true;
+}
+
+bool worker_trace(struct worker *w)
+{
+    bool is_whole;
+
+    do
+        is_whole = follow_all(w);
+    while (is_whole && parked_pop(&w->parked, &w->now, &w->insides, &w->film));
+    w->now.n = 0;
+    parked_clear(&w->parked);
+    film_settle(&w->film, w->film.n_pixel);
     w->insides.n = w->n_camera_inside;
+    return is_whole;
 }

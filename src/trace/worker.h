@@ -6,6 +6,7 @@
 #include "trace/film.h"
 #include "trace/geometry.h"
 #include "trace/insides.h"
+#include "trace/parked.h"
 #include "trace/shader.h"
 #include "trace/wave.h"
 
@@ -31,6 +32,9 @@ struct worker {
     struct scratch *scratch;
     struct lens lens;
     struct wave now, next;
+    struct parked parked;
+    bool (*give_up)(void *arg);         /* NULL: never */
+    void *give_up_arg;
     struct film film;
     struct insides insides;
     uint32_t camera_inside, n_camera_inside;    /* the list at a fixed camera; items to keep */
@@ -52,7 +56,8 @@ void worker_release(struct worker *w);
 /* The interiors around a camera or the origin of a ray. */
 uint32_t worker_insides_at(struct worker *w, vec3 point);
 
-/* Follows the wave `now` and all that comes of it until nothing is left. */
-void worker_trace(struct worker *w);
+/* Follows the wave `now` and all that comes of it until nothing is left.
+ * False: give_up said so, and the film is not whole. */
+bool worker_trace(struct worker *w);
 
 #endif
