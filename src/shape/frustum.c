@@ -184,7 +184,8 @@ KERNEL static void chords(const struct frustum *s, int n, const double *restrict
         struct line line = line_of(&own, ray);
         struct wall w = wall_of(&own, line.p, line.d);
         struct chord wall;
-        bool meets = cut_wall(&w, &wall), is_left = is_along_tube(&w) | !ray_is_tame(ray);
+        bool meets = cut_wall(&w, &wall);
+        bool is_left = (int)is_along_tube(&w) | (int)!ray_is_tame(ray);
         struct chord discs = discs_of(&own, line.p.z, line.d.z);
         double first = larger(discs.near, wall.near), last = smaller(discs.far, wall.far);
         meets &= first <= last;
