@@ -210,7 +210,7 @@ static void *new_large(struct arena *a, const void *items, size_t used, size_t s
     struct arena_block *b = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
                                  -1, 0);
     if (b == MAP_FAILED)
-        fail(a);
+        fail(a, 0);
     *b = (struct arena_block) { .before = a->large, .size = size };
     a->large = b;
     a->n_large++;
@@ -223,7 +223,7 @@ static void *grow_large(struct arena *a, struct arena_block **at, size_t size)
     charge(a, size - (*at)->size);
     struct arena_block *b = mremap(*at, (*at)->size, size, MREMAP_MAYMOVE);
     if (b == MAP_FAILED)
-        fail(a);
+        fail(a, 0);
     b->size = size;
     *at = b;
     return (char *)b + HEADER;
@@ -246,7 +246,7 @@ void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t si
         return items;
     *room = *room ? *room * 2 : 8;
     if (__builtin_mul_overflow(*room, size, &bytes) || bytes > SIZE_MAX / 4)
-        fail(a);
+        fail_at_limit(a);
     if (bytes >= LARGE_ARRAY) {
         struct arena_block **known = find_large(a, items);
         return *known ? grow_large(a, known, bytes) : new_large(a, items, n * size, bytes);
