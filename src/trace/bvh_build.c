@@ -278,7 +278,8 @@ static void assemble(struct bvh *tree, const struct builder *top, struct parts *
         n += all->part[i].builder.n_node;
     tree->node = arena_alloc_aligned(mem, n * sizeof *tree->node, 64);
     tree->n_node = top->n_node;
-    memcpy(tree->node, top->node, top->n_node * sizeof *tree->node);
+    if (top->n_node)                    /* nothing: one part is the tree */
+        memcpy(tree->node, top->node, top->n_node * sizeof *tree->node);
     for (size_t i = 0; i < all->n; i++) {
         struct part *p = &all->part[i];
         place_part(tree->node + tree->n_node, p->builder.node, p->builder.n_node, (uint32_t)tree->n_node);
