@@ -315,6 +315,18 @@ START_TEST(test_a_plain_block_is_what_the_grammar_makes_of_it)
 }
 END_TEST
 
+START_TEST(test_the_dumped_tree_has_numbers_as_they_were_written)
+{
+    char *tree = tree_of("#declare A = 3.7 + 0.1 + 1e-300 + 123456789; #declare V = <0.2, 1/3, 7>;");
+
+    ck_assert_ptr_nonnull(strstr(tree, "number 3.7\n"));
+    ck_assert_ptr_nonnull(strstr(tree, "number 0.1\n"));
+    ck_assert_ptr_nonnull(strstr(tree, "number 1e-300\n"));
+    ck_assert_ptr_nonnull(strstr(tree, "number 123456789\n"));
+    free(tree);
+}
+END_TEST
+
 START_TEST(test_equal_looks_are_kept_once)
 {
     struct reading r;
@@ -350,6 +362,7 @@ static Suite *lang_suite(void)
     tcase_add_test(t, test_a_run_of_constants_is_a_list_of_numbers);
     tcase_add_test(t, test_what_is_skipped_may_be_anything);
     tcase_add_test(t, test_a_plain_block_is_what_the_grammar_makes_of_it);
+    tcase_add_test(t, test_the_dumped_tree_has_numbers_as_they_were_written);
     tcase_add_test(t, test_equal_looks_are_kept_once);
     tcase_add_test(t, test_functions_freeze_numbers);
     tcase_add_test(t, test_random_streams_are_those_of_povray);

@@ -365,23 +365,39 @@ START_TEST(test_every_row_has_help_and_stands_once)
 }
 END_TEST
 
+static int times(const char *text, const char *word)
+{
+    int n = 0;
+
+    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
+        n++;
+    return n;
+}
+
 START_TEST(test_the_dump_names_what_is_there)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     struct scene s;
+    struct finish bright = finish_default;
+    struct texture texture = texture_default;
 
     scene_init(&s, &mem);
     struct object *o = ball_at(vec(0, 2, 0));
     o->name = "Moon";
-    o->texture = &texture_default;
+    bright.emission = bright.ambient = rgb_of(0.5f, 0.25f, 0);
+    texture.finish = &bright;
+    o->texture = &texture;
     scene_add(&s, o);
     scene_dump(&s, out);
     fclose(out);
     ck_assert_ptr_nonnull(strstr(text, "ball {  // Moon"));
     ck_assert_ptr_nonnull(strstr(text, "translate <0, 2, 0>"));
     ck_assert_ptr_nonnull(strstr(text, "camera {"));
+    ck_assert_ptr_null(strstr(text, "-0"));
+    ck_assert_int_eq(times(text, "ambient rgb <0.5, 0.25, 0>"), 1);
+    ck_assert_int_eq(times(text, "emission rgb <0.5, 0.25, 0>"), 1);
     free(text);
 }
 END_TEST

@@ -1,5 +1,6 @@
 /* dump.c: --dump=tokens and --dump=ast. */
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "lang/parsing.h"
@@ -58,13 +59,32 @@ static void print_op(FILE *out, int op)
         fprintf(out, " %c", op);
 }
 
+/* As few digits as give the number back. */
+static void print_number(FILE *out, double x)
+{
+    char text[32];
+
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, x);
+        if (strtod(text, NULL) == x)
+            break;
+    }
+    fputs(text, out);
+}
+
 static void dump_expression(struct dump *d, const struct ast *a)
 {
     switch (a->kind) {
-    case AST_NUMBER: fprintf(d->out, " %.17g\n", a->number); return;
+    case AST_NUMBER:
+        fputc(' ', d->out);
+        print_number(d->out, a->number);
+        fputc('\n', d->out);
+        return;
     case AST_LITERAL:
-        for (unsigned i = 0; i < a->n; i++)
-            fprintf(d->out, "%s%.17g", i ? ", " : " ", a->v[i]);
+        for (unsigned i = 0; i < a->n; i++) {
+            fputs(i ? ", " : " ", d->out);
+            print_number(d->out, a->v[i]);
+        }
         fputc('\n', d->out);
         return;
     case AST_TEXT: fprintf(d->out, " \"%s\"\n", a->text); return;

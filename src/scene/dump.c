@@ -34,7 +34,8 @@ static struct printer deeper(const struct printer *p)
 
 static const char *vec_text(char *to, vec3 v)
 {
-    snprintf(to, TEXT_ROOM, "<%g, %g, %g>", v.x, v.y, v.z);
+    /* + 0: minus zero is read as zero. */
+    snprintf(to, TEXT_ROOM, "<%g, %g, %g>", v.x + 0, v.y + 0, v.z + 0);
     return to;
 }
 
@@ -55,12 +56,6 @@ static const char *colour_text(char *to, colour c)
 
 static bool same_vec(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-static void dump_rgb(const struct printer *p, const char *word, rgb c)
-{
-    if (c.r != 0 || c.g != 0 || c.b != 0)
-        line(p, "%s %s", word, rgb_text(TEXT, c));
-}
-
 /* A member of a table's struct as the language writes it; members that still
  * have their default are left out. */
 static void dump_field(const struct printer *p, const struct field *f, const void *thing,
@@ -72,7 +67,7 @@ static void dump_field(const struct printer *p, const struct field *f, const voi
     switch (f->type) {
     case FIELD_FLAG:
         if (*(const bool *)at != *(const bool *)was)
-            line(p, "%s %s", f->name, *(const bool *)at ? "on" : "off");
+            line(p, "%s%s", f->name, *(const bool *)at ? "" : " off");
         break;
     case FIELD_INT:
         if (*(const int *)at != *(const int *)was)
@@ -108,6 +103,28 @@ static void dump_fields(const struct printer *p, const struct field *f, const vo
         dump_field(p, f, thing, defaults);
 }
 
+/* Numbers and points without names: the start of a shape's block, in one line. */
+static void dump_header(const struct printer *p, const struct field *f, const void *thing)
+{
+    const char *between = "";
+
+    if (!f || !f->name)
+        return;
+    fprintf(p->out, "%*s", 2 * p->depth, "");
+    for (; f->name; f++, between = ", ") {
+        const char *at = (const char *)thing + f->offset;
+        if (f->type == FIELD_POINT)
+            fprintf(p->out, "%s%s", between, vec_text(TEXT, *(const vec3 *)at));
+        else if (f->type == FIELD_INT)
+            fprintf(p->out, "%s%d", between, *(const int *)at);
+        else if (f->type == FIELD_NUM)
+            fprintf(p->out, "%s%g", between, *(const double *)at + 0);
+        else
+            fprintf(p->out, "%s(%s)", between, f->help);
+    }
+    fputc('\n', p->out);
+}
+
 static void dump_place(const struct printer *p, const struct transform *t)
 {
     const double (*m)[4] = t->to.m;
@@ -119,11 +136,11 @@ static void dump_place(const struct printer *p, const struct transform *t)
         for (int j = 0; j < 3; j++)
             only_moved = only_moved && m[i][j] == (i == j);
     if (only_moved)
-        line(p, "translate <%g, %g, %g>", m[0][3], m[1][3], m[2][3]);
+        line(p, "translate %s", vec_text(TEXT, vec(m[0][3], m[1][3], m[2][3])));
     else
         line(p, "matrix <%g, %g, %g, %g, %g, %g, %g, %g, %g, %g, %g, %g>",
-             m[0][0], m[1][0], m[2][0], m[0][1], m[1][1], m[2][1],
-             m[0][2], m[1][2], m[2][2], m[0][3], m[1][3], m[2][3]);
+             m[0][0] + 0, m[1][0] + 0, m[2][0] + 0, m[0][1] + 0, m[1][1] + 0, m[2][1] + 0,
+             m[0][2] + 0, m[1][2] + 0, m[2][2] + 0, m[0][3] + 0, m[1][3] + 0, m[2][3] + 0);
 }
 
 /* --- looks ----------------------------------------------------------------- */
@@ -140,10 +157,11 @@ static void dump_pattern(const struct printer *p, const struct pattern_use *u)
     line(p, "%s", u->ops->name);
     struct printer in = deeper(p);
     if (u->self && u->ops->defaults) {
-        dump_fields(&in, u->ops->args, u->self, u->ops->defaults);
+        dump_header(&in, u->ops->args, u->self);
         dump_fields(&in, u->ops->words, u->self, u->ops->defaults);
     }
-    if (u->frequency != 1 || u->phase != 0)
+    /* 0 is that of checker and its like, which have no waves. */
+    if ((u->frequency != 1 && u->frequency != 0) || u->phase != 0)
         line(p, "frequency %g phase %g", u->frequency, u->phase);
     if (u->wave != WAVE_RAMP)
         line(p, "%s_wave", wave[u->wave]);
@@ -215,16 +233,20 @@ static void dump_reflection(const struct printer *p, const struct reflection *r)
 static void dump_finish(const struct printer *p, const struct finish *f)
 {
     struct printer in = deeper(p);
+    struct finish known = finish_default;
 
+    known.ambient = f->ambient;
     line(p, "finish {");
     line(&in, "ambient %s", rgb_text(TEXT, f->ambient));
-    dump_rgb(&in, "emission", f->emission);
-    line(&in, "diffuse %g, %g", f->diffuse, f->diffuse_back);
+    if (f->diffuse_back != 0)
+        line(&in, "diffuse %g, %g", f->diffuse, f->diffuse_back);
+    else
+        line(&in, "diffuse %g", f->diffuse);
     if (f->phong != 0)
         line(&in, "phong %g", f->phong);
     if (f->specular != 0)
         line(&in, "specular %g", f->specular);
-    dump_fields(&in, finish_fields, f, &finish_default);
+    dump_fields(&in, finish_fields, f, &known);
     if (f->irid != 0)
         line(&in, "irid %g thickness %g turbulence %g", f->irid, f->irid_thickness,
              f->irid_turbulence);
@@ -309,10 +331,7 @@ static void dump_shape(const struct printer *p, const struct object *o)
              o->mesh->n_texture);
         return;
     }
-    /* Against nothing, so that every argument of the header is told. */
-    static const char nothing[4096];
-    bool fits = o->ops->size <= sizeof nothing;
-    dump_fields(p, o->ops->args, o->shape, fits ? nothing : o->ops->defaults);
+    dump_header(p, o->ops->args, o->shape);
     dump_fields(p, o->ops->words, o->shape, o->ops->defaults);
 }
 
@@ -373,8 +392,10 @@ static void dump_settings(const struct printer *p, const struct settings *s)
         "none: values are written as they are", "linear", "a power", "srgb",
     };
 
-    line(p, "#version %d.%02d  // treated as %d.%02d", s->version / 100, s->version % 100,
-         s->effective_version / 100, s->effective_version % 100);
+    if (s->version == s->effective_version)
+        line(p, "#version %g;", s->version / 100.0);
+    else
+        line(p, "#version %g;  // treated as %g", s->version / 100.0, s->effective_version / 100.0);
     line(p, "global_settings {");
     line(&in, "assumed_gamma %g  // %s", s->gamma, space[s->space]);
     line(&in, "max_trace_level %d", s->max_trace_level);
