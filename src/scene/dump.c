@@ -54,6 +54,7 @@ static const char *colour_text(char *to, colour c)
     return to;
 }
 
+static bool same_rgb(rgb a, rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 static bool same_vec(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 /* A member of a table's struct as the language writes it; members that still
@@ -83,7 +84,7 @@ static void dump_field(const struct printer *p, const struct field *f, const voi
         break;
     case FIELD_RGB: {
         rgb now = *(const rgb *)at, then = *(const rgb *)was;
-        if (now.r != then.r || now.g != then.g || now.b != then.b)
+        if (!same_rgb(now, then))
             line(p, "%s %s", f->name, rgb_text(TEXT, now));
         break;
     }
@@ -233,11 +234,10 @@ static void dump_reflection(const struct printer *p, const struct reflection *r)
 static void dump_finish(const struct printer *p, const struct finish *f)
 {
     struct printer in = deeper(p);
-    struct finish known = finish_default;
 
-    known.ambient = f->ambient;
     line(p, "finish {");
-    line(&in, "ambient %s", rgb_text(TEXT, f->ambient));
+    if (same_rgb(f->ambient, finish_default.ambient))   /* or it is told with the others */
+        line(&in, "ambient %s", rgb_text(TEXT, f->ambient));
     if (f->diffuse_back != 0)
         line(&in, "diffuse %g, %g", f->diffuse, f->diffuse_back);
     else
@@ -246,7 +246,7 @@ static void dump_finish(const struct printer *p, const struct finish *f)
         line(&in, "phong %g", f->phong);
     if (f->specular != 0)
         line(&in, "specular %g", f->specular);
-    dump_fields(&in, finish_fields, f, &known);
+    dump_fields(&in, finish_fields, f, &finish_default);
     if (f->irid != 0)
         line(&in, "irid %g thickness %g turbulence %g", f->irid, f->irid_thickness,
              f->irid_turbulence);
