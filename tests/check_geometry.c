@@ -157,16 +157,11 @@ static struct mesh *mesh_ball(int n, double radius)
     for (int i = 0; i < n; i++)
         for (int k = 0; k < columns; k++) {
             uint32_t a = (uint32_t)(i * columns + k), b = (uint32_t)(i * columns + (k + 1) % columns);
-            uint32_t c = a + (uint32_t)columns, d = b + (uint32_t)columns, no = MESH_NONE;
-            struct mesh_face none = { { 0, 0, 0 }, { no, no, no }, { no, no, no }, { no, no, no } };
-            if (i < n - 1) {
-                m->face[m->n_face] = none;
-                memcpy(m->face[m->n_face++].vertex, (uint32_t[]) { a, c, d }, 12);
-            }
-            if (i > 0) {
-                m->face[m->n_face] = none;
-                memcpy(m->face[m->n_face++].vertex, (uint32_t[]) { a, d, b }, 12);
-            }
+            uint32_t c = a + (uint32_t)columns, d = b + (uint32_t)columns;
+            if (i < n - 1)
+                m->face[m->n_face++] = (struct three) { { a, c, d } };
+            if (i > 0)
+                m->face[m->n_face++] = (struct three) { { a, d, b } };
         }
     m->box = (struct bounds) { vec(-radius, -radius, -radius), vec(radius, radius, radius) };
     return m;
@@ -650,9 +645,9 @@ START_TEST(test_nothing_leaks_from_a_closed_mesh)
     struct plan *p = plan();
     struct scratch *s = scratch_new(p, &mem);
     for (int i = 0; i < 100000; i++) {
-        const struct mesh_face *f = &ball->face[below((int)ball->n_face)];
+        const struct three *f = &ball->face[below((int)ball->n_face)];
         double mix = i % 2 ? 0 : uniform(0, 1);
-        vec3 a = ball->vertex[f->vertex[0]], b = ball->vertex[f->vertex[1]];
+        vec3 a = ball->vertex[f->of[0]], b = ball->vertex[f->of[1]];
         vec3 to = vec_add(off, vec_add(vec_scale(a, 1 - mix), vec_scale(b, mix)));
         vec3 from = vec_add(off, in_cube(0.5));
         struct meeting m;
@@ -677,7 +672,7 @@ START_TEST(test_a_mesh_is_met_where_asking_every_face_meets_it)
             struct object *t;
             vec3 c[3];
             for (int j = 0; j < 3; j++)
-                c[j] = ball->vertex[ball->face[k].vertex[j]];
+                c[j] = ball->vertex[ball->face[k].of[j]];
             t = SHAPE("triangle", c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y,
                       c[2].z);
             struct hit h;

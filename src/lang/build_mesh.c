@@ -14,7 +14,8 @@ struct making {
     struct lang *lang;
     struct object *object;
     struct mesh *mesh;
-    struct list vertex, normal, uv, face, texture;
+    struct list vertex, normal, uv, texture;
+    struct list face, face_normal, face_uv, face_texture;       /* the last three: empty, or of each face */
     bool said;                          /* that a triangle is degenerate */
     bool has_faces;                     /* mesh2: group 1 is over */
     bool has_vertices, has_normals, has_uvs, has_textures, has_uv_indices, has_normal_indices;
@@ -70,30 +71,64 @@ static void *kept(struct making *m, const struct list *list, size_t size)
 
 static bool same(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-static bool is_degenerate(const vec3 *v, const struct mesh_face *f)
+static bool is_degenerate(const vec3 *v, const struct three *f)
 {
-    vec3 a = v[f->vertex[0]], b = v[f->vertex[1]], c = v[f->vertex[2]];
+    vec3 a = v[f->of[0]], b = v[f->of[1]], c = v[f->of[2]];
     vec3 n = vec_cross(vec_sub(b, a), vec_sub(c, a));
 
     return same(a, b) || same(b, c) || same(a, c) || !(vec_largest(n) > 0);
 }
 
-/* Degenerate faces are dropped, and three equal normals make a flat face. */
+static const struct three no_three = { { MESH_NONE, MESH_NONE, MESH_NONE } };
+
+/* The face's three of a list that begins when the first face has some. */
+static struct three *three_at(struct making *m, struct list *list, size_t face)
+{
+    while (list->n <= face)
+        *(struct three *)push(m, list, sizeof no_three) = no_three;
+    return (struct three *)list->item + face;
+}
+
+static void move_three(struct list *list, size_t from, size_t to)
+{
+    struct three *three = list->item;
+
+    if (list->n > 0)
+        three[to] = three[from];
+}
+
+/* Three equal normals make a flat face. */
+static void flatten_face(const struct making *m, size_t face)
+{
+    struct three *three = m->face_normal.item;
+    const uint32_t *k = m->face_normal.n > 0 ? three[face].of : no_three.of;
+    const vec3 *normal = m->normal.item;
+
+    if (k[0] != MESH_NONE && same(normal[k[0]], normal[k[1]]) && same(normal[k[1]], normal[k[2]]))
+        three[face] = no_three;
+}
+
+/* Makes lists as long as there are faces, or leaves them empty. */
+static void fill_up(struct making *m, struct list *list)
+{
+    if (list->n > 0 && m->face.n > 0)
+        three_at(m, list, m->face.n - 1);
+}
+
+/* Degenerate faces are dropped. */
 static size_t clean_faces(struct making *m)
 {
-    struct mesh_face *f = m->face.item;
-    const vec3 *vertex = m->vertex.item, *normal = m->normal.item;
+    const struct three *face = m->face.item;
     size_t n = 0;
 
     for (size_t i = 0; i < m->face.n; i++) {
-        const uint32_t *k = f[i].normal;
-        if (is_degenerate(vertex, &f[i]))
+        if (is_degenerate(m->vertex.item, &face[i]))
             continue;
-        f[n] = f[i];
-        if (k[0] != MESH_NONE && same(normal[k[0]], normal[k[1]])
-            && same(normal[k[1]], normal[k[2]]))
-            f[n].normal[0] = f[n].normal[1] = f[n].normal[2] = MESH_NONE;
-        n++;
+        flatten_face(m, i);
+        move_three(&m->face, i, n);
+        move_three(&m->face_normal, i, n);
+        move_three(&m->face_uv, i, n);
+        move_three(&m->face_texture, i, n++);
     }
     return n;
 }
@@ -104,7 +139,7 @@ static struct bounds box_of(const struct mesh *m)
 
     for (size_t i = 0; i < m->n_face; i++)
         for (int k = 0; k < 3; k++) {
-            vec3 p = m->vertex[m->face[i].vertex[k]];
+            vec3 p = m->vertex[m->face[i].of[k]];
             b = bounds_join(b, (struct bounds) { p, p });
         }
     return b;
@@ -114,15 +149,20 @@ static void complete(struct making *m)
 {
     struct mesh *mesh = m->mesh;
 
-    m->face.n = clean_faces(m);
+    fill_up(m, &m->face_normal);
+    fill_up(m, &m->face_uv);
+    fill_up(m, &m->face_texture);
+    mesh->n_face = clean_faces(m);
     mesh->vertex = kept(m, &m->vertex, sizeof(vec3));
     mesh->n_vertex = m->vertex.n;
     mesh->normal = kept(m, &m->normal, sizeof(vec3));
     mesh->n_normal = m->normal.n;
     mesh->uv = kept(m, &m->uv, sizeof(vec2));
     mesh->n_uv = m->uv.n;
-    mesh->face = kept(m, &m->face, sizeof(struct mesh_face));
-    mesh->n_face = m->face.n;
+    mesh->face = kept(m, &m->face, sizeof(struct three));
+    mesh->face_normal = kept(m, &m->face_normal, sizeof(struct three));
+    mesh->face_uv = kept(m, &m->face_uv, sizeof(struct three));
+    mesh->face_texture = kept(m, &m->face_texture, sizeof(struct three));
     mesh->texture = kept(m, &m->texture, sizeof(struct texture *));
     mesh->n_texture = m->texture.n;
     mesh->box = box_of(mesh);
@@ -185,64 +225,64 @@ static uint32_t declared_texture(struct making *m, struct reader *r)
     return MESH_NONE;
 }
 
-static void read_face_texture(struct making *m, const struct item *i, struct mesh_face *f)
+static void read_face_texture(struct making *m, const struct item *i)
 {
+    uint32_t *texture = three_at(m, &m->face_texture, m->face.n)->of;
     bool list = item_is(i, "texture_list");
     struct reader r;
 
     reader_open(&r, m->lang, i->body);
-    f->texture[0] = f->texture[1] = f->texture[2] = declared_texture(m, &r);
+    texture[0] = texture[1] = texture[2] = declared_texture(m, &r);
     for (int k = 1; list && k < 3; k++) {
         reader_skip_comma(&r);
-        f->texture[k] = declared_texture(m, &r);
+        texture[k] = declared_texture(m, &r);
     }
     if (reader_peek(&r)->kind != ITEM_END)
         build_unknown(m->lang, reader_peek(&r), i->text, NULL);
     reader_close(&r);
 }
 
-static void read_face_uv(struct making *m, struct reader *r, struct mesh_face *f)
+static void read_face_uv(struct making *m, struct reader *r)
 {
+    uint32_t *number = three_at(m, &m->face_uv, m->face.n)->of;
+
     for (int k = 0; k < 3; k++) {
         vec2 uv = { 0, 0 };
         reader_vector(r, k > 0, 2, (double *)&uv, "uv_vectors");
-        f->uv[k] = (uint32_t)m->uv.n;
+        number[k] = (uint32_t)m->uv.n;
         *(vec2 *)push(m, &m->uv, sizeof uv) = uv;
     }
 }
 
-#define NO_THREE { MESH_NONE, MESH_NONE, MESH_NONE }
-static const struct mesh_face bare_face = { NO_THREE, NO_THREE, NO_THREE, NO_THREE };
-
-static void read_corners(struct making *m, struct reader *r, struct mesh_face *f, bool smooth)
+static void read_corners(struct making *m, struct reader *r, struct three *f, bool smooth)
 {
     for (int k = 0; k < 3; k++) {
-        f->vertex[k] = add_vertex(m, build_vector(r, k > 0, "corner of triangle"));
+        f->of[k] = add_vertex(m, build_vector(r, k > 0, "corner of triangle"));
         if (!smooth)
             continue;
         vec3 n = build_vector(r, true, "normal of triangle");
-        f->normal[k] = add_normal(m, reader_at(r), n);
+        three_at(m, &m->face_normal, m->face.n)->of[k] = add_normal(m, reader_at(r), n);
     }
 }
 
 static void read_triangle(struct making *m, const struct item *i)
 {
     const struct field *const tables[] = { mesh_fields, NULL };
-    struct mesh_face f = bare_face;
+    struct three f = no_three;
     struct reader r;
 
     reader_open(&r, m->lang, i->body);
     read_corners(m, &r, &f, item_is(i, "smooth_triangle"));
     for (struct item w = reader_next(&r); w.kind != ITEM_END; w = reader_next(&r)) {
         if (w.kind == ITEM_WORD && item_is(&w, "uv_vectors"))
-            read_face_uv(m, &r, &f);
+            read_face_uv(m, &r);
         else if (item_is_block(&w, "texture") || item_is_block(&w, "texture_list"))
-            read_face_texture(m, &w, &f);
+            read_face_texture(m, &w);
         else
             build_unknown(m->lang, &w, i->text, tables);
     }
     reader_close(&r);
-    *(struct mesh_face *)push(m, &m->face, sizeof f) = f;
+    *(struct three *)push(m, &m->face, sizeof f) = f;
     if (!m->said && is_degenerate(m->vertex.item, &f)) {
         diag_warning(m->lang->diag, i->at, "triangle: degenerate triangle; it is left out");
         m->said = true;
@@ -347,18 +387,18 @@ static bool single_number(struct reader *r)
 }
 
 /* [, t [, t, t]] behind a face's corners. */
-static void read_texture_indices(struct making *m, struct reader *r, struct mesh_face *f)
+static void read_texture_indices(struct making *m, struct reader *r, uint32_t texture[3])
 {
     size_t n = m->texture.n;
 
     for (int k = 0; k < 3; k++) {
         if (!single_number(r)) {
             for (; k > 0 && k < 3; k++)
-                f->texture[k] = f->texture[0];
+                texture[k] = texture[0];
             return;
         }
         struct loc at = reader_at(r);
-        f->texture[k] = index_in(m, at, "texture of face_indices", reader_number(r, false, "texture"), n);
+        texture[k] = index_in(m, at, "texture of face_indices", reader_number(r, false, "texture"), n);
         reader_skip_comma(r);
     }
 }
@@ -410,14 +450,13 @@ static void read_faces(struct making *m, const struct item *block)
     reader_open(&r, m->lang, block->body);
     size_t n = read_count(m, &r, block->text);
     reader_skip_comma(&r);
-    reserve(m, &m->face, run_length(&r), n, sizeof(struct mesh_face));
+    reserve(m, &m->face, run_length(&r), n, sizeof(struct three));
     unsigned errors = m->lang->diag->errors;
     for (size_t i = 0; i < n && m->lang->diag->errors == errors; i++) {
-        struct mesh_face *f = push(m, &m->face, sizeof *f);
-        *f = bare_face;
-        next_three(&x, m->texture.n > 0 ? 1 : n - i, f->vertex);
+        struct three *f = push(m, &m->face, sizeof *f);
+        next_three(&x, m->texture.n > 0 ? 1 : n - i, f->of);
         if (m->texture.n > 0)
-            read_texture_indices(m, &r, f);
+            read_texture_indices(m, &r, three_at(m, &m->face_texture, i)->of);
     }
     if (m->lang->diag->errors == errors && reader_peek(&r)->kind != ITEM_END)
         diag_error(m->lang->diag, reader_at(&r), "face_indices has more than the %zu faces it announces", n);
@@ -432,7 +471,7 @@ static void read_more_indices(struct making *m, const struct item *block, size_t
 {
     struct reader r;
     struct indices x = { .m = m, .r = &r, .what = block->text, .n_things = n_things };
-    struct mesh_face *f = m->face.item;
+    struct list *list = is_uv ? &m->face_uv : &m->face_normal;
 
     reader_open(&r, m->lang, block->body);
     struct loc at = reader_at(&r);
@@ -440,9 +479,10 @@ static void read_more_indices(struct making *m, const struct item *block, size_t
     reader_skip_comma(&r);
     if (n > m->face.n || (is_uv && n != m->face.n))
         diag_error(m->lang->diag, at, "%s has %zu entries for %zu faces", block->text, n, m->face.n);
+    reserve(m, list, run_length(&r), m->face.n, sizeof(struct three));
     unsigned errors = m->lang->diag->errors;
     for (size_t i = 0; i < n && i < m->face.n && m->lang->diag->errors == errors; i++)
-        next_three(&x, n - i, is_uv ? f[i].uv : f[i].normal);
+        next_three(&x, n - i, three_at(m, list, i)->of);
     reader_close(&r);
 }
 
@@ -470,11 +510,13 @@ static void read_textures(struct making *m, const struct item *block)
 /* Faces without indices of their own use the corners' numbers. */
 static void reuse_vertices(struct making *m, bool is_uv, size_t n_things)
 {
-    struct mesh_face *f = m->face.item;
+    const struct three *f = m->face.item;
 
-    for (size_t i = 0; i < m->face.n; i++)
+    for (size_t i = 0; i < m->face.n; i++) {
+        uint32_t *number = three_at(m, is_uv ? &m->face_uv : &m->face_normal, i)->of;
         for (int k = 0; k < 3; k++)
-            (is_uv ? f[i].uv : f[i].normal)[k] = n_things == 1 ? 0 : f[i].vertex[k];
+            number[k] = n_things == 1 ? 0 : f[i].of[k];
+    }
 }
 
 static void fill_missing(struct making *m, const struct item *block)

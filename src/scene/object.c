@@ -255,7 +255,7 @@ static bool mesh_inside(const struct mesh *m, vec3 p)
     if (!(vec_largest(m->inside_vector) > 0))
         return false;
     for (size_t i = 0; i < m->n_face; i++) {
-        const uint32_t *v = m->face[i].vertex;
+        const uint32_t *v = m->face[i].of;
         inside ^= crosses(p, m->inside_vector, m->vertex[v[0]], m->vertex[v[1]], m->vertex[v[2]]);
     }
     return inside;

@@ -33,6 +33,8 @@ enum object_flag {
     OBJECT_UV_MAPPING         = 1 << 8,
 };
 
+struct three { uint32_t of[3]; };
+
 /* Triangles that share vertices.  Single precision, as the meshes of
  * POV-Ray, would lose far from the origin: rtc keeps doubles. */
 struct mesh {
@@ -42,12 +44,11 @@ struct mesh {
     size_t n_normal;
     const vec2 *uv;                     /* NULL: none */
     size_t n_uv;
-    struct mesh_face {
-        uint32_t vertex[3];
-        uint32_t normal[3];             /* MESH_NONE: a flat face */
-        uint32_t uv[3];                 /* MESH_NONE */
-        uint32_t texture[3];            /* of mesh->texture; MESH_NONE: the object's; often three times the same */
-    } *face;
+    /* Of each face's corners; NULL: no face has any. */
+    struct three *face;                 /* of vertex */
+    struct three *face_normal;          /* MESH_NONE: a flat face */
+    struct three *face_uv;              /* MESH_NONE: this one has none */
+    struct three *face_texture;         /* MESH_NONE: the object's; often three times the same */
     size_t n_face;
     const struct texture **texture;
     size_t n_texture;

@@ -82,23 +82,23 @@ static void try_shape(struct search *f, const struct step *s, const struct trans
         offer(f, s, place, hit[i].t, o->ops->normal(o->shape, ray_at(r, hit[i].t), &hit[i]));
 }
 
-static vec3 face_normal(const struct mesh *m, const struct mesh_face *face, vec3 flat,
-                        double u, double v)
+static vec3 face_normal(const struct mesh *m, size_t face, vec3 flat, double u, double v)
 {
-    const uint32_t *n = face->normal;
+    const uint32_t *n = m->face_normal ? m->face_normal[face].of : NULL;
 
-    if (n[0] == MESH_NONE || !m->normal)
+    if (!n || n[0] == MESH_NONE || !m->normal)
         return flat;
     return vec_add(vec_scale(m->normal[n[0]], 1 - u - v),
                    vec_add(vec_scale(m->normal[n[1]], u), vec_scale(m->normal[n[2]], v)));
 }
 
 static void try_face(struct search *f, const struct step *s, const struct transform *place,
-                     struct ray r, const struct mesh_face *face)
+                     struct ray r, size_t face)
 {
     const struct mesh *m = s->object->mesh;
-    vec3 a = m->vertex[face->vertex[0]];
-    vec3 ab = vec_sub(m->vertex[face->vertex[1]], a), ac = vec_sub(m->vertex[face->vertex[2]], a);
+    const uint32_t *corner = m->face[face].of;
+    vec3 a = m->vertex[corner[0]];
+    vec3 ab = vec_sub(m->vertex[corner[1]], a), ac = vec_sub(m->vertex[corner[2]], a);
     vec3 h = vec_cross(r.dir, ac), to = vec_sub(r.origin, a), q = vec_cross(to, ab);
     double det = vec_dot(ab, h);
 
@@ -151,7 +151,7 @@ static void try_object(struct search *f, const struct step *s, const struct tran
         try_shape(f, s, &place);
     else if (o->kind == OBJECT_MESH)
         for (size_t i = 0; i < o->mesh->n_face; i++)
-            try_face(f, s, &place, r, &o->mesh->face[i]);
+            try_face(f, s, &place, r, i);
     for (size_t i = 0; i < o->n_child; i++) {
         struct step inner = { s, o->child[i], i };
         try_object(f, &inner, &place, r);

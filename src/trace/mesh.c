@@ -10,7 +10,7 @@ enum { FACES_A_LEAF = 8 };
 
 static const vec3 *corner(const struct mesh *m, uint32_t face, int i)
 {
-    return &m->vertex[m->face[face].vertex[i]];
+    return &m->vertex[m->face[face].of[i]];
 }
 
 static const vec3 *nth_corner(const void *of, uint32_t face, int i) { return corner(of, face, i); }
@@ -338,10 +338,9 @@ static vec3 flat_normal(const struct mesh *m, uint32_t face)
     return vec_cross(vec_unit(ac), vec_unit(ab));
 }
 
-static bool is_smooth(const struct mesh_face *f)
+static bool is_smooth(const uint32_t normal[3])
 {
-    return f->normal[0] != MESH_NONE
-           && !(f->normal[0] == f->normal[1] && f->normal[0] == f->normal[2]);
+    return normal[0] != MESH_NONE && !(normal[0] == normal[1] && normal[0] == normal[2]);
 }
 
 bool mesh_is_flat(const struct mesh_tree *t, uint32_t face)
@@ -352,24 +351,24 @@ bool mesh_is_flat(const struct mesh_tree *t, uint32_t face)
 vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h)
 {
     const struct mesh *m = t->mesh;
-    const struct mesh_face *f = &m->face[h->part];
+    const uint32_t *k = m->face_normal ? m->face_normal[h->part].of : NULL;
     double u = (double)h->u, v = (double)h->v;
 
-    if (!is_smooth(f))
+    if (!k || !is_smooth(k))
         return flat_normal(m, h->part);
-    vec3 n = vec_scale(m->normal[f->normal[0]], 1 - u - v);
-    n = vec_fma(vec_fma(n, u, m->normal[f->normal[1]]), v, m->normal[f->normal[2]]);
+    vec3 n = vec_scale(m->normal[k[0]], 1 - u - v);
+    n = vec_fma(vec_fma(n, u, m->normal[k[1]]), v, m->normal[k[2]]);
     return vec_largest(n) > 0 ? n : flat_normal(m, h->part);
 }
 
 vec2 mesh_uv(const struct mesh_tree *t, const struct hit *h, vec2 otherwise)
 {
     const struct mesh *m = t->mesh;
-    const struct mesh_face *f = &m->face[h->part];
+    const uint32_t *k = m->face_uv ? m->face_uv[h->part].of : NULL;
     double u = (double)h->u, v = (double)h->v, w = 1 - u - v;
 
-    if (!m->uv || f->uv[0] == MESH_NONE)
+    if (!m->uv || !k || k[0] == MESH_NONE)
         return otherwise;
-    vec2 a = m->uv[f->uv[0]], b = m->uv[f->uv[1]], c = m->uv[f->uv[2]];
+    vec2 a = m->uv[k[0]], b = m->uv[k[1]], c = m->uv[k[2]];
     return (vec2) { w * a.u + u * b.u + v * c.u, w * a.v + u * b.v + v * c.v };
 }

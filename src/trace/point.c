@@ -10,9 +10,10 @@ static const double point_rounding = 0x1p-51;   /* of adding slack to a point, a
 
 static void mesh_textures(const struct leaf *l, const struct hit *h, struct surface_point *out)
 {
-    const struct mesh_face *f = &l->mesh->mesh->face[h->part];
+    const struct three *texture = l->mesh->mesh->face_texture;
 
-    memcpy(out->texture, f->texture, sizeof out->texture);
+    for (int k = 0; k < 3; k++)
+        out->texture[k] = texture ? texture[h->part].of[k] : MESH_NONE;
     out->weight[0] = 1 - h->u - h->v;
     out->weight[1] = h->u;
     out->weight[2] = h->v;
