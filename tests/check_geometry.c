@@ -569,6 +569,20 @@ START_TEST(test_a_sphere_costs_at_most_100_bytes)
 }
 END_TEST
 
+START_TEST(test_a_triangle_costs_at_most_64_bytes_beyond_its_corners)
+{
+    const struct mesh *ball = mesh_ball(350, 1);
+    struct arena own;
+
+    arena_init(&own, NULL);
+    scene_add(&scene, mesh_object(ball));
+    plan_new(&scene, &own, 1);
+    size_t size = arena_size(&own);
+    arena_free(&own);
+    ck_assert_msg(size <= 64 * ball->n_face, "%zu bytes a triangle", size / ball->n_face);
+}
+END_TEST
+
 START_TEST(test_equal_things_are_met_in_the_order_of_their_listing)
 {
     struct meeting m;
@@ -1371,6 +1385,7 @@ int main(void)
     tcase_add_test(tc, test_any_number_of_threads_builds_the_same_tree);
     tcase_add_loop_test(tc, test_each_item_is_once_in_the_tree_within_its_box, 0, 5);
     tcase_add_test(tc, test_a_sphere_costs_at_most_100_bytes);
+    tcase_add_test(tc, test_a_triangle_costs_at_most_64_bytes_beyond_its_corners);
     tcase_add_test(tc, test_equal_things_are_met_in_the_order_of_their_listing);
     tcase_add_test(tc, test_a_union_placed_often_is_stored_once);
     tcase_add_test(tc, test_instances_may_differ_in_their_texture);

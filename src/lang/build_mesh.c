@@ -4,6 +4,7 @@
 
 #include "lang/build.h"
 #include "lang/frame.h"
+#include "lang/parsing.h"
 
 /* A mesh under construction: lists that grow in the tree's arena and are
  * copied, at their true size, into the scene's; where the size is known at
@@ -40,21 +41,24 @@ static void *push(struct making *m, struct list *list, size_t size)
     return (char *)list->item + size * list->n++;
 }
 
-/* How many constants stand next in one run: as many as will surely come. */
+/* How many constants of a list stand in runs: as many as will surely come. */
 static size_t run_length(struct reader *r)
 {
-    const struct ast *a = r->has_item ? NULL : reader_look(r);
+    const struct frame *f = &r->lang->frame[r->lang->n_frame - 1];
+    size_t n = 0;
 
-    return a && a->kind == AST_BULK ? a->bulk.n : 0;
+    for (const struct ast *a = f->next; a; a = a->next)
+        n += a->kind == AST_BULK ? a->bulk.n : 0;
+    return n;
 }
 
-/* Of the n things that are announced, one more than stand in a run: no comma
- * follows the last. */
+/* Of the n things that are announced, some more than stand in runs: the last
+ * few may not make one. */
 static void reserve(struct making *m, struct list *list, size_t sure, size_t n, size_t size)
 {
     if (sure == 0 || n == 0 || list->n > 0)
         return;
-    n = sure < n ? sure + 1 : n;
+    n = sure < n && n - sure > SHORTEST_RUN ? sure + SHORTEST_RUN : n;
     list->item = arena_array(m->lang->scene_mem, n, size);
     list->room = n;
     list->in_scene = true;

@@ -36,7 +36,10 @@ struct constant {
     double v[5];
 };
 
-enum { SHORTEST_RUN = 8 };      /* constants that are worth a node of their own */
+enum {
+    SHORTEST_RUN = 8,           /* constants that are worth a node of their own */
+    LONGEST_RUN = 1 << 14,      /* more of them go on in the next: one of millions would be held twice */
+};
 enum { LONGEST_NAME = 255 };    /* POV-Ray's limit */
 
 struct parse {
