@@ -24,6 +24,7 @@ struct bvh_node {
 struct bvh {
     vec3 middle;
     double scale;                       /* tree units a world unit: a power of two */
+    struct bounds bounds;               /* of all items */
     vec3 half;                          /* the whole tree reaches from -half to half, in tree units */
     struct bvh_node *node;
     size_t n_node;

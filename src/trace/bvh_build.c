@@ -328,6 +328,7 @@ static void begin(struct bvh *tree, const struct source *s, struct arena *mem)
         all = bounds_join(all, s->box(s->of, i));
         tree->item[i] = (uint32_t)i;
     }
+    tree->bounds = all;
     measure(tree, all);
 }
 

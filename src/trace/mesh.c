@@ -24,16 +24,22 @@ static struct bounds face_bounds(const struct mesh *m, uint32_t face)
     return b;
 }
 
+/* The faces that are finite: nearly always all of them. */
 struct kept {
     const struct mesh *mesh;
-    uint32_t *face;
+    uint32_t *face;                     /* NULL: all */
     size_t n;
 };
+
+static uint32_t kept_face(const struct kept *k, size_t i)
+{
+    return k->face ? k->face[i] : (uint32_t)i;
+}
 
 static struct bounds kept_bounds(const void *of, size_t i)
 {
     const struct kept *k = of;
-    return face_bounds(k->mesh, k->face[i]);
+    return face_bounds(k->mesh, kept_face(k, i));
 }
 
 static bool is_finite(const struct mesh *m, uint32_t face)
@@ -44,9 +50,14 @@ static bool is_finite(const struct mesh *m, uint32_t face)
 
 static struct kept keep_finite(const struct mesh *m, struct arena *mem)
 {
-    struct kept k = { m, arena_array(mem, m->n_face + 1, sizeof *k.face), 0 };
+    struct kept k = { m, NULL, 0 };
 
-    for (size_t i = 0; i < m->n_face; i++)
+    while (k.n < m->n_face && is_finite(m, (uint32_t)k.n))
+        k.n++;
+    if (k.n == m->n_face)
+        return k;
+    k.face = arena_array(mem, m->n_face, sizeof *k.face);
+    for (size_t i = k.n = 0; i < m->n_face; i++)
         if (is_finite(m, (uint32_t)i))
             k.face[k.n++] = (uint32_t)i;
     return k;
@@ -79,8 +90,8 @@ static bool is_closed(const struct kept *k, struct arena *mem)
 
     for (size_t i = 0; i < k->n; i++)
         for (int side = 0; side < 3; side++) {
-            const vec3 *a = corner(k->mesh, k->face[i], side);
-            const vec3 *b = corner(k->mesh, k->face[i], (side + 1) % 3);
+            const vec3 *a = corner(k->mesh, kept_face(k, i), side);
+            const vec3 *b = corner(k->mesh, kept_face(k, i), (side + 1) % 3);
             int order = vec_order(a, b);
             if (order != 0)
                 edge[n++] = order < 0 ? (struct edge) { *a, *b } : (struct edge) { *b, *a };
@@ -107,11 +118,9 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
     struct mesh_tree *t = arena_alloc(mem, sizeof *t);
     t->mesh = m;
     bvh_build(&t->tree, k.n, kept_bounds, &k, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
-    t->bounds = BOUNDS_EMPTY;
-    for (size_t i = 0; i < k.n; i++) {
-        t->bounds = bounds_join(t->bounds, kept_bounds(&k, i));
+    t->bounds = t->tree.bounds;
+    for (size_t i = 0; k.face && i < k.n; i++)
         t->tree.item[i] = k.face[t->tree.item[i]];
-    }
     sieve_init(&t->sieve, &t->tree, nth_corner, m, mem);
     t->is_closed = mesh_has_inside(t) && is_closed(&k, &scrap);
     arena_free(&scrap);

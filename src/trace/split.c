@@ -21,7 +21,7 @@ INLINE quad middle(const struct box *b)
 }
 
 /* Most ranges are small, and many bins would cost more than they gain. */
-static int bins_for(uint32_t n) { return n <= 4 ? 4 : n <= 32 ? 8 : BINS; }
+static int bins_for(uint32_t n) { return n <= 8 ? 4 : n <= 64 ? 8 : 12; }
 
 static void bins_aim(struct bins *b, const struct ref ref[], uint32_t n)
 {
@@ -82,14 +82,14 @@ static void bins_cut(const struct bins *b, int axis, struct cut *best)
     for (int i = b->n - 1; i > 0; i--) {
         box_join(&all, &box[i]);
         n += weight[i];
-        right[i] = n ? box_area(&all) * (float)n : FLT_MAX;
+        right[i] = n ? box_area(&all) * (float)(int32_t)n : FLT_MAX;
     }
     all = box_empty;
     n = 0;
     for (int i = 0; i < b->n - 1; i++) {
         box_join(&all, &box[i]);
         n += weight[i];
-        float cost = n ? box_area(&all) * (float)n + right[i + 1] : FLT_MAX;
+        float cost = n ? box_area(&all) * (float)(int32_t)n + right[i + 1] : FLT_MAX;
         if (cost < best->cost)
             *best = (struct cut) { axis, i, cost };
     }
