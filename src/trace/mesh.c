@@ -347,23 +347,26 @@ static vec3 flat_normal(const struct mesh *m, uint32_t face)
     return vec_cross(vec_unit(ac), vec_unit(ab));
 }
 
-static bool is_smooth(const uint32_t normal[3])
+/* The normals of a face's corners; NULL: it has one for all of it. */
+static const uint32_t *smooth_normals(const struct mesh *m, uint32_t face)
 {
-    return normal[0] != MESH_NONE && !(normal[0] == normal[1] && normal[0] == normal[2]);
+    const uint32_t *k = m->face_normal ? m->face_normal[face].of : NULL;
+
+    return k && k[0] != MESH_NONE && !(k[0] == k[1] && k[0] == k[2]) ? k : NULL;
 }
 
 bool mesh_is_flat(const struct mesh_tree *t, uint32_t face)
 {
-    return !is_smooth(&t->mesh->face[face]);
+    return !smooth_normals(t->mesh, face);
 }
 
 vec3 mesh_normal(const struct mesh_tree *t, const struct hit *h)
 {
     const struct mesh *m = t->mesh;
-    const uint32_t *k = m->face_normal ? m->face_normal[h->part].of : NULL;
+    const uint32_t *k = smooth_normals(m, h->part);
     double u = (double)h->u, v = (double)h->v;
 
-    if (!k || !is_smooth(k))
+    if (!k)
         return flat_normal(m, h->part);
     vec3 n = vec_scale(m->normal[k[0]], 1 - u - v);
     n = vec_fma(vec_fma(n, u, m->normal[k[1]]), v, m->normal[k[2]]);
