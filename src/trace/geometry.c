@@ -752,16 +752,55 @@ static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], const 
     }
 }
 
-static void nearest_of_unbounded(struct flock *f, int i)
+/* The hot ones of the unbounded, all rays at once: a plane, most often. */
+static void found_of_unbounded(const struct plan *p, struct scratch *s, const uint8_t *mask)
+{
+    const struct space *world = &p->geometry->space[0];
+    struct volley *v = &s->volley;
+
+    for (size_t k = 0; k < world->n_unbounded; k++) {
+        const struct leaf *l = hot_leaf(p, world->unbounded[k]);
+        if (!l)
+            continue;
+        struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
+        s->counts.leaf_tests += (unsigned)v->rays.n;
+        leaf_hits_many(l, &v->rays, &asked, &v->view);
+        found_take(&v->found, &v->rays, &v->view.crossings,
+                   rank_of(NO_INSTANCE, item_number(world->unbounded[k])));
+    }
+}
+
+static void nearest_of_cold(struct flock *f)
 {
     const struct space *world = &f->search.plan->geometry->space[0];
+    double far;
 
-    f->out[i] = (struct meeting) { .t = INFINITY, .leaf = NO_LEAF, .instance = NO_INSTANCE };
-    f->far[i] = INFINITY;
-    turn(f, i)->mask = f->mask[i];
-    f->search.best = &f->out[i];
-    for (size_t k = 0; k < world->n_unbounded; k++)
-        visit_nearest(&f->search, world->unbounded + k, 1, &f->far[i]);
+    for (size_t k = 0; k < world->n_unbounded; k++) {
+        if (hot_leaf(f->search.plan, world->unbounded[k]))
+            continue;
+        for (int i = 0; i < f->rays->n; i++) {
+            search_for(&f->search, f->rays, i, f->mask, f->out);
+            visit_nearest(&f->search, world->unbounded + k, 1, &far);
+        }
+    }
+}
+
+static void nearest_of_unbounded(struct flock *f)
+{
+    struct volley *v = &f->search.s->volley;
+    const int n = f->rays->n;
+
+    for (int i = 0; i < n; i++)
+        f->out[i] = (struct meeting) { .t = INFINITY, .leaf = NO_LEAF, .instance = NO_INSTANCE };
+    if (f->search.plan->geometry->space[0].n_unbounded) {
+        packet_fill(&v->rays, f->rays);
+        found_start(&v->found, &v->rays, NULL);
+        found_of_unbounded(f->search.plan, f->search.s, f->mask);
+        found_meetings(f->search.plan, &v->found, n, f->out);
+        nearest_of_cold(f);
+    }
+    for (int i = 0; i < n; i++)
+        f->far[i] = beyond(f->out[i].t);
 }
 
 static void nearest_of_stream(const struct plan *p, struct scratch *s, const struct rays *r,
@@ -771,8 +810,7 @@ static void nearest_of_stream(const struct plan *p, struct scratch *s, const str
     struct flock f = { .search = { .plan = p, .s = s, .instance = NO_INSTANCE }, .rays = r,
                        .mask = mask, .out = out };
 
-    for (int i = 0; i < r->n; i++)
-        nearest_of_unbounded(&f, i);
+    nearest_of_unbounded(&f);
     s->counts.rays += (unsigned)r->n;
     if (tree->n_node == 0)
         return;
@@ -1090,8 +1128,8 @@ static const struct leaf *spanned(const struct plan *p, uint32_t item)
     return is_plain ? l : NULL;
 }
 
-/* All rays against one thing; those that are left to hits() are not blocked. */
-static void blocked_by_span(struct flock *f, const struct leaf *l)
+/* All rays against one thing; those that are left to hits() ask it. */
+static void blocked_by_span(struct flock *f, const struct leaf *l, uint32_t item)
 {
     double near[STREAM], far[STREAM];
 
@@ -1101,35 +1139,32 @@ static void blocked_by_span(struct flock *f, const struct leaf *l)
     f->search.s->counts.leaf_tests += (unsigned)f->rays->n;
     for (int i = 0; i < f->rays->n; i++) {
         double t = near[i] > 0 ? near[i] : far[i];
-        if (t > 0 && t < f->far[i])
+        if ((t > 0 && t < f->far[i]) || (isnan(t) && blocks(turn(f, i), item)))
             block(f, i);
     }
 }
 
-/* What stood in the way last time is asked first, all rays at once; what it
- * does not know the tree will. */
-static void blocked_by_last(struct flock *f)
+/* One thing, of the world or of an instance. */
+static void blocked_by(struct flock *f, const struct blocker *b)
 {
-    const struct blocker *b = f->last;
-    const struct leaf *l = b->is_known && b->instance == NO_INSTANCE
-                           ? spanned(f->search.plan, b->item) : NULL;
+    const struct leaf *l = b->instance == NO_INSTANCE ? spanned(f->search.plan, b->item) : NULL;
 
     if (l)
-        blocked_by_span(f, l);
-    for (int i = 0; !l && b->is_known && i < f->rays->n; i++)
-        if (still_blocks(turn(f, i), b))
+        blocked_by_span(f, l, b->item);
+    for (int i = 0; !l && i < f->rays->n; i++)
+        if (f->barrier[i] != BARRIER_OPAQUE && still_blocks(turn(f, i), b))
             block(f, i);
 }
 
-static void blocked_by_unbounded(struct flock *f)
+/* What stood in the way last time is asked first. */
+static void blocked_ahead(struct flock *f)
 {
     const struct space *world = &f->search.plan->geometry->space[0];
-    double far;
 
-    for (int i = 0; i < f->rays->n; i++)
-        for (size_t k = 0; k < world->n_unbounded && f->barrier[i] != BARRIER_OPAQUE; k++)
-            if (visit_blocked(turn(f, i), world->unbounded + k, 1, &far))
-                block(f, i);
+    if (f->last->is_known)
+        blocked_by(f, f->last);
+    for (size_t k = 0; k < world->n_unbounded; k++)
+        blocked_by(f, &(struct blocker) { world->unbounded[k], NO_INSTANCE, true });
 }
 
 static void blocked_by_stream(const struct plan *p, struct scratch *s, const struct rays *r,
@@ -1145,8 +1180,7 @@ static void blocked_by_stream(const struct plan *p, struct scratch *s, const str
     memcpy(f.far, far, (size_t)r->n * sizeof *far);
     memset(barrier, 0, (size_t)r->n * sizeof *barrier);
     stream_aim(s->stream, tree, r, far);
-    blocked_by_last(&f);
-    blocked_by_unbounded(&f);
+    blocked_ahead(&f);
     stream_walk(s->stream, tree, false, flock_blocked, &f, &s->counts.box_tests);
 }
 
