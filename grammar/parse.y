@@ -630,10 +630,11 @@ void scanner_dump(struct lang *l, uint32_t source, FILE *out)
     p->every_token = true;
     for (int token; (token = scanner_next(&value, &at, p)) != YYEOF;) {
         struct position from = source_position(l->sources, source, at.begin);
-        int length = (int)(at.end - at.begin);
-        fprintf(out, "%u:%u %s %.*s\n", from.line, from.column,
-                yysymbol_name(YYTRANSLATE(token)), length < 60 ? length : 60,
-                p->text + at.begin);
+        const char *name = yysymbol_name(YYTRANSLATE(token));
+        int length = (int)(at.end - at.begin), place;
+        fprintf(out, "%u:%u%n", from.line, from.column, &place);
+        fprintf(out, "%*s  %-16s  %.*s\n", place < 8 ? 8 - place : 0, "",
+                *name == '\'' ? "" : name, length < 60 ? length : 60, p->text + at.begin);
     }
     scanner_end(p);
 }

@@ -202,6 +202,42 @@ static void dump_item(const struct plan *p, uint32_t item, FILE *out)
     }
 }
 
+static const char *pigment_word(const struct pigment *g)
+{
+    switch (g->kind) {
+    case PIGMENT_COLOUR:  return "plain";
+    case PIGMENT_IMAGE:   return "image_map";
+    case PIGMENT_AVERAGE: return "average";
+    default:              return g->pattern.ops->name;
+    }
+}
+
+static bool is_bright(rgb c) { return c.r > 0 || c.g > 0 || c.b > 0; }
+
+static void dump_layer(const struct texture *t, FILE *out)
+{
+    if (t->kind != TEXTURE_PLAIN) {
+        fprintf(out, " %s of %zu textures", t->pattern.ops ? t->pattern.ops->name : "average",
+                t->n_entry);
+        return;
+    }
+    const struct finish *f = t->finish;
+    fprintf(out, " %s%s%s%s", pigment_word(t->pigment), f->phong > 0 ? ", phong" : "",
+            f->specular > 0 ? ", specular" : "", is_bright(f->reflection.high) ? ", reflection" : "");
+}
+
+static void dump_surface(const struct surface *s, FILE *out)
+{
+    for (const struct texture *t = s->texture; t; t = t->above) {
+        fputs(t == s->texture ? "" : "; above it", out);
+        dump_layer(t, out);
+    }
+    fputs(s->is_opaque ? ", opaque" : ", lets light through", out);
+    if (s->interior && s->interior->ior > 0)
+        fprintf(out, ", ior %g", s->interior->ior);
+    fputc('\n', out);
+}
+
 void plan_dump(const struct plan *p, FILE *out)
 {
     for (size_t i = 0; i < p->geometry->n_space; i++) {
@@ -215,9 +251,10 @@ void plan_dump(const struct plan *p, FILE *out)
         for (size_t k = 0; k < s->tree.n_item; k++)
             dump_item(p, s->tree.item[k], out);
     }
-    for (size_t i = 0; i < p->n_surface; i++)
-        fprintf(out, "surface %zu%s%s\n", i, p->surface[i].is_opaque ? " opaque" : "",
-                p->surface[i].interior ? " filled" : "");
+    for (size_t i = 0; i < p->n_surface; i++) {
+        fprintf(out, "surface %zu:", i);
+        dump_surface(&p->surface[i], out);
+    }
     for (size_t i = 0; i < p->n_note; i++)
         fprintf(out, "note: %s\n", p->note[i]);
 }
