@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/diag.h"
+#include "base/intern.h"
 #include "base/name.h"
 
 static struct arena mem;
@@ -125,6 +126,31 @@ START_TEST(test_equal_text_is_an_equal_pointer)
     ck_assert_ptr_eq(name_intern(&t, "sphere", 6), first);
     ck_assert_ptr_null(name_find(&t, "spher", 5));
     ck_assert_uint_eq(t.n, 5001);
+}
+END_TEST
+
+static const void *nth(size_t i) { return (const char *)0x7f0000001000 + i * 432; }
+
+/* Keys are mostly pointers, whose lower bits say little. */
+START_TEST(test_equal_bytes_have_one_value_and_slots_of_their_own)
+{
+    struct intern t = { 0 };
+    size_t at_home = 0;
+
+    for (size_t i = 0; i < 5000; i++) {
+        const void *key[] = { &t, nth(i), NULL };
+        const void **value = intern_at(&t, &mem, key, sizeof key);
+        ck_assert_ptr_null(*value);
+        *value = nth(i);
+    }
+    for (size_t i = 0; i < 5000; i++) {
+        const void *key[] = { &t, nth(i), NULL };
+        ck_assert_ptr_eq(*intern_at(&t, &mem, key, sizeof key), nth(i));
+    }
+    ck_assert_uint_eq(t.n, 5000);
+    for (size_t i = 0; i < t.room; i++)
+        at_home += t.slot[i].key && (t.slot[i].hash & (t.room - 1)) == i;
+    ck_assert_uint_gt(at_home, 3500);
 }
 END_TEST
 
@@ -263,6 +289,7 @@ int main(void)
     tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);
     tcase_add_exit_test(t, test_an_overflowing_array_is_a_limit_and_not_a_small_block, 4);
     tcase_add_test(t, test_equal_text_is_an_equal_pointer);
+    tcase_add_test(t, test_equal_bytes_have_one_value_and_slots_of_their_own);
     tcase_add_test(t, test_distance_counts_edits_and_swaps);
     tcase_add_test(t, test_every_kind_of_line_end_counts_once);
     tcase_add_test(t, test_a_folder_is_no_source);

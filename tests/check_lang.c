@@ -335,14 +335,18 @@ START_TEST(test_equal_looks_are_kept_once)
                   "#macro Ball(I, C) sphere { I*x, 1 pigment { rgb C } finish { ambient 1 } } #end "
                   "Ball(0, 1) Ball(1, 1) Ball(2, 0.5) "
                   "sphere { 0, 1 texture { pigment { rgb 1 } finish { ambient 1 } } } "
-                  "object { Ball(3, 1) scale 2 } object { Ball(3, 1) scale 3 }");
+                  "object { Ball(3, 1) scale 2 } object { Ball(3, 1) scale 3 } "
+                  "#declare P = pigment { rgb <0,1,0> } "
+                  "sphere { 0, 1 pigment { rgb <0,0,1> } } sphere { 0, 1 pigment { P scale 2 } }");
     const struct scene *s = lang_read(r.lang, r.path);
-    ck_assert_uint_eq(s->n_object, 6);
+    ck_assert_uint_eq(s->n_object, 8);
     ck_assert_ptr_eq(s->object[0]->texture, s->object[1]->texture);
     ck_assert_ptr_eq(s->object[0]->texture, s->object[3]->texture);
     ck_assert_ptr_ne(s->object[0]->texture, s->object[2]->texture);
     ck_assert_ptr_ne(s->object[4]->texture, s->object[5]->texture);
     ck_assert_float_eq(s->object[2]->texture->pigment->colour.r, 0.5f);
+    ck_assert_float_eq(s->object[7]->texture->pigment->colour.g, 1);
+    ck_assert_float_eq(s->object[7]->texture->pigment->colour.b, 0);
     reading_end(&r);
 }
 END_TEST

@@ -1,7 +1,6 @@
 /* intern.c: equal bytes, equal value. */
 #include "base/intern.h"
 
-#include <stdint.h>
 #include <string.h>
 
 /* FNV-1a with words of eight bytes, whose upper bits are brought down. */
@@ -14,21 +13,34 @@ static uint64_t hash_of(const unsigned char *key, size_t size)
         h = (h ^ word) * 0x9e3779b97f4a7c15;
         h ^= h >> 32;
     }
-    for (; size > 0; key++, size--)
+    for (; size > 0; key++, size--) {
         h = (h ^ *key) * 0x100000001b3;
-    return h ^ h >> 32;
+        h ^= h >> 32;                   /* once: a second time would undo it */
+    }
+    return h;
 }
 
-static struct intern_slot *find(const struct intern *t, const void *key, size_t size)
+/* Where there is, or would be, a key with this hash.  The hash stands in the slot,
+ * so that other keys, which lie far apart, are not looked at. */
+static struct intern_slot *find(const struct intern *t, uint64_t hash, const void *key, size_t size)
 {
-    size_t i = hash_of(key, size) & (t->room - 1);
+    size_t i = hash & (t->room - 1);
 
-    while (t->slot[i].key && memcmp(t->slot[i].key, key, size))
+    while (t->slot[i].key && (t->slot[i].hash != hash || memcmp(t->slot[i].key, key, size)))
         i = (i + 1) & (t->room - 1);
     return &t->slot[i];
 }
 
-static void grow(struct intern *t, struct arena *mem, size_t size)
+static struct intern_slot *free_slot(const struct intern *t, uint64_t hash)
+{
+    size_t i = hash & (t->room - 1);
+
+    while (t->slot[i].key)
+        i = (i + 1) & (t->room - 1);
+    return &t->slot[i];
+}
+
+static void grow(struct intern *t, struct arena *mem)
 {
     struct intern old = *t;
 
@@ -36,16 +48,19 @@ static void grow(struct intern *t, struct arena *mem, size_t size)
     t->slot = arena_array(mem, t->room, sizeof *t->slot);
     for (size_t i = 0; i < old.room; i++)
         if (old.slot[i].key)
-            *find(t, old.slot[i].key, size) = old.slot[i];
+            *free_slot(t, old.slot[i].hash) = old.slot[i];
 }
 
-struct intern_slot *intern_slot(struct intern *t, struct arena *mem, const void *key, size_t size)
+static struct intern_slot *slot_of(struct intern *t, struct arena *mem, const void *key, size_t size)
 {
+    uint64_t hash = hash_of(key, size);
+
     if (t->n * 2 >= t->room)
-        grow(t, mem, size);
-    struct intern_slot *s = find(t, key, size);
+        grow(t, mem);
+    struct intern_slot *s = find(t, hash, key, size);
     if (!s->key) {
         s->key = arena_copy(mem, key, size);
+        s->hash = hash;
         t->n++;
     }
     return s;
@@ -53,10 +68,10 @@ struct intern_slot *intern_slot(struct intern *t, struct arena *mem, const void 
 
 const void **intern_at(struct intern *t, struct arena *mem, const void *key, size_t size)
 {
-    return &intern_slot(t, mem, key, size)->value;
+    return &slot_of(t, mem, key, size)->value;
 }
 
 const void *intern_copy(struct intern *t, struct arena *mem, const void *key, size_t size)
 {
-    return intern_slot(t, mem, key, size)->key;
+    return slot_of(t, mem, key, size)->key;
 }

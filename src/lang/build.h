@@ -41,6 +41,7 @@ struct cached_image;
 struct build {
     struct intern plain, look;          /* pigments of one colour, textures of one layer */
     struct intern finish;
+    const struct patterned *said;       /* of the last plain pigment */
     const struct texture *texture;      /* #default { } */
     struct camera_words camera;
     struct camera solved;               /* of the last camera statement */

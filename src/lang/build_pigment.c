@@ -10,6 +10,16 @@ static struct patterned from_said(const void *said, enum value_type of)
     return said ? *(const struct patterned *)said : patterned_new(of);
 }
 
+/* Plain colours share what was said but for the colour: to_pigment. */
+static struct patterned from_pigment(const struct pigment *from, enum value_type of)
+{
+    struct patterned p = from_said(from ? from->said : NULL, of);
+
+    if (p.kind == PATTERNED_COLOUR && !p.unsupported)
+        p.colour = from->colour;
+    return p;
+}
+
 static colour mix(colour a, colour b, float share)
 {
     return (colour) { a.r + b.r * share, a.g + b.g * share, a.b + b.b * share,
@@ -66,16 +76,36 @@ static const struct pigment *new_pigment(struct lang *l, const struct patterned 
     return pigment;
 }
 
-/* One that is no more than a colour may be said of thousands of objects. */
+/* What was said of a plain colour, without the colour: as it was the last time,
+ * of nearly all pigments of a scene. */
+static const struct patterned *colourless(struct lang *l, const struct patterned *p)
+{
+    struct build *b = build_of(l);
+    struct patterned said;
+
+    memcpy(&said, p, sizeof said);              /* padding too */
+    memset(&said.colour, 0, sizeof said.colour);
+    memcpy(&said.place, &transform_identity, sizeof said.place);
+    if (!b->said || memcmp(b->said, &said, sizeof said))
+        b->said = arena_copy(l->scene_mem, &said, sizeof said);
+    return b->said;
+}
+
+/* One that is no more than a colour may be said of thousands of objects, and
+ * thousands may have one of their own. */
 static const struct pigment *to_pigment(struct lang *l, struct patterned *p)
 {
-    if (p->kind != PATTERNED_COLOUR || !p->place.is_identity)
+    struct { const struct patterned *said; colour colour; } key;
+
+    if (p->kind != PATTERNED_COLOUR || !p->place.is_identity || p->unsupported)
         return new_pigment(l, p, arena_copy(l->scene_mem, p, sizeof *p));
-    memcpy(&p->place, &transform_identity, sizeof p->place);    /* padding too */
-    struct intern_slot *one = intern_slot(&build_of(l)->plain, l->scene_mem, p, sizeof *p);
-    if (!one->value)
-        one->value = new_pigment(l, p, one->key);
-    return one->value;
+    memset(&key, 0, sizeof key);
+    key.said = colourless(l, p);
+    key.colour = p->colour;
+    const void **one = intern_at(&build_of(l)->plain, l->scene_mem, &key, sizeof key);
+    if (!*one)
+        *one = new_pigment(l, p, key.said);
+    return *one;
 }
 
 static const struct pigment *read_pigment(struct reader *r, const struct item *block,
@@ -85,7 +115,7 @@ static const struct pigment *read_pigment(struct reader *r, const struct item *b
 
     if (declared)
         from = declared;
-    struct patterned p = from_said(from ? from->said : NULL, type);
+    struct patterned p = from_pigment(from, type);
     bool fresh = p.kind == PATTERNED_NONE;
     unsigned errors = r->lang->diag->errors;
     build_patterned(r, &p, block);

@@ -38,20 +38,30 @@ static const struct texture *begin_layers(struct lang *l, const struct texture *
 {
     if (from->above)
         return copy_layers(l, from, top);
-    memcpy(single, from, sizeof *single);       /* padding too */
+    *single = *from;
     *top = single;
     return NULL;
 }
 
+/* All that tells one plain layer that was not moved from another. */
+static const struct texture *keep_once(struct lang *l, const struct texture *t)
+{
+    const void *const key[] = { t->pigment, t->normal, t->finish, t->unsupported };
+    const void **one = intern_at(&build_of(l)->look, l->scene_mem, key, sizeof key);
+
+    if (!*one)
+        *one = copy(l, t);
+    return *one;
+}
+
 static const struct texture *end_layers(struct lang *l, const struct texture *bottom,
-                                        struct texture *single)
+                                        const struct texture *single)
 {
     if (bottom)
         return bottom;
-    if (!single->place.is_identity)
-        return copy(l, single);
-    memcpy(&single->place, &transform_identity, sizeof single->place);  /* padding too */
-    return intern_copy(&build_of(l)->look, l->scene_mem, single, sizeof *single);
+    bool is_more = single->kind != TEXTURE_PLAIN || single->uv_mapping
+                   || !single->place.is_identity;
+    return is_more ? copy(l, single) : keep_once(l, single);
 }
 
 const struct texture *texture_over(struct lang *l, struct loc at, const struct texture *below,
