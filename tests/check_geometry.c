@@ -801,32 +801,74 @@ static bool stands_between(const struct plan *p, struct scratch *s, struct ray r
     return barrier == BARRIER_OPAQUE;
 }
 
-/* _i: in a small scene, in one with a tree, with CSG or without. */
-START_TEST(test_arrays_of_rays_meet_what_each_ray_meets)
+static void arrays_meet_what_each_meets(const struct plan *p)
 {
     static struct some_rays some;
     static struct meeting many[SOME_RAYS];
     uint64_t barrier[SOME_RAYS];
+    struct scratch *s = scratch_new(p, &mem), *other = scratch_new(p, &mem);
+    struct rays r = make_rays(&some);
 
+    geometry_nearest_many(p, s, &r, some.mask, many);
+    geometry_blocked_many(p, s, &r, some.far, 0, barrier);
+    for (int i = 0; i < SOME_RAYS; i++) {
+        struct meeting one;
+        bool met = geometry_nearest(p, other, rays_at(&r, i), INFINITY, some.mask[i], &one);
+        ck_assert_int_eq(many[i].leaf != NO_LEAF, met);
+        if (met)
+            same_meeting(&many[i], &one);
+        bool blocked = geometry_blocked(p, other, rays_at(&r, i), some.far[i], 0);
+        ck_assert_int_eq(stands_between(p, s, rays_at(&r, i), some.far[i], barrier[i]), blocked);
+        if (!blocked)
+            same_crossings(p, s, rays_at(&r, i), some.far[i], barrier[i]);
+    }
+}
+
+/* _i: in a small scene, in one with a tree, with CSG or without. */
+START_TEST(test_arrays_of_rays_meet_what_each_ray_meets)
+{
     for (int round = 0; round < 60; round++) {
         scene_init(&scene, &mem);
         add_mixture(_i & 2 ? 60 : 1 + below(FEW), _i & 1);
-        struct plan *p = plan();
-        struct scratch *s = scratch_new(p, &mem), *other = scratch_new(p, &mem);
-        struct rays r = make_rays(&some);
-        geometry_nearest_many(p, s, &r, some.mask, many);
-        geometry_blocked_many(p, s, &r, some.far, 0, barrier);
-        for (int i = 0; i < SOME_RAYS; i++) {
-            struct meeting one;
-            bool met = geometry_nearest(p, other, rays_at(&r, i), INFINITY, some.mask[i], &one);
-            ck_assert_int_eq(many[i].leaf != NO_LEAF, met);
-            if (met)
-                same_meeting(&many[i], &one);
-            bool blocked = geometry_blocked(p, other, rays_at(&r, i), some.far[i], 0);
-            ck_assert_int_eq(stands_between(p, s, rays_at(&r, i), some.far[i], barrier[i]), blocked);
-            if (!blocked)
-                same_crossings(p, s, rays_at(&r, i), some.far[i], barrier[i]);
+        arrays_meet_what_each_meets(plan());
+        teardown();
+        arena_init(&mem, NULL);
+    }
+}
+END_TEST
+
+/* Each face twice, the second time turned the other way; nothing in the upper
+ * half, so that rays get in. */
+static struct object *doubled_bowl(void)
+{
+    struct mesh *m = mesh_ball(2 + below(20), uniform(0.3, 1));
+    size_t n = m->n_face / 2;
+    struct three *face = arena_array(&mem, 2 * n, sizeof *face);
+
+    for (size_t i = 0; i < n; i++) {
+        face[i] = face[2 * n - 1 - i] = m->face[m->n_face - n + i];
+        face[i].of[0] = m->face[m->n_face - n + i].of[1];
+        face[i].of[1] = m->face[m->n_face - n + i].of[0];
+    }
+    m->face = face;
+    m->n_face = 2 * n;
+    return mesh_object(m);
+}
+
+START_TEST(test_arrays_of_rays_meet_meshes_as_each_ray_does)
+{
+    for (int round = 0; round < 60; round++) {
+        scene_init(&scene, &mem);
+        for (int i = round % 2 ? below(3) : 0; i >= 0; i--) {
+            struct object *bowl = doubled_bowl();
+            if (below(3))
+                bowl = moved(bowl, turned(in_cube(90), in_cube(1)));
+            bowl->texture = below(4) ? &texture_default : glass(0.5f);
+            bowl->flags = bowl->flags_given = below(5) ? 0 : OBJECT_NO_IMAGE;
+            scene_add(&scene, bowl);
+            scene_add(&scene, below(2) ? object_copy(&mem, bowl) : random_shape(1, 0.5));
         }
+        arrays_meet_what_each_meets(plan());
         teardown();
         arena_init(&mem, NULL);
     }
@@ -1392,6 +1434,7 @@ int main(void)
     tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);
     tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
     tcase_add_loop_test(tc, test_arrays_of_rays_meet_what_each_ray_meets, 0, 4);
+    tcase_add_test(tc, test_arrays_of_rays_meet_meshes_as_each_ray_does);
     tcase_add_test(tc, test_csg_shows_exactly_where_its_inside_begins_and_ends);
     tcase_add_test(tc, test_rays_in_arrays_meet_csg_as_each_does);
     tcase_add_test(tc, test_csg_normals_point_out_of_the_solid);

@@ -588,6 +588,35 @@ static bool volley_leaf(struct scratch *s, const struct leaf *l, const struct fe
     return true;
 }
 
+/* The same for a mesh with a tree of its own.  is_any: no matter which of the
+ * crossings before far. */
+static bool volley_mesh(struct scratch *s, const struct leaf *l, const struct few *few, int k,
+                        const double *far, bool is_any, struct lanes_asked *asked)
+{
+    struct volley *v = &s->volley;
+    struct lanes_asked all = packet_all(&v->rays);
+    double until[PACKET];
+
+    if (!volley_meets(v, few, k, far, asked))
+        return false;
+    for (int i = 0; i < v->rays.n; i++) {
+        bool is_asked = asked->bits[i / WIDE] >> i % WIDE & 1;
+        until[i] = !is_asked ? -1 : is_any ? far[i] : beyond(far[i]);
+        s->counts.leaf_tests += is_asked;
+    }
+    mesh_nearest_stream(l->mesh, s->stream, leaf_packet(l, &v->rays, &all, &v->view), until, is_any,
+                        &v->view.crossings, &s->counts.box_tests);
+    return true;
+}
+
+/* The mesh that an item is; NULL: it is none, or a tiny one. */
+static const struct leaf *mesh_leaf(const struct plan *p, uint32_t item)
+{
+    const struct leaf *l = &p->leaf[item_number(item)];
+
+    return item_kind(item) == ITEM_LEAF && !l->ops && !mesh_is_tiny(l->mesh) ? l : NULL;
+}
+
 /* The leaf that an item is, if it can be asked about many rays; else NULL. */
 static const struct leaf *hot_leaf(const struct plan *p, uint32_t item)
 {
@@ -674,6 +703,28 @@ static void nearest_of_rest(const struct plan *p, struct scratch *s, const struc
     }
 }
 
+/* Returns those of the things that are no meshes. */
+static uint32_t nearest_of_meshes(const struct plan *p, struct scratch *s, const struct few *few,
+                                  uint32_t things, const uint8_t *mask)
+{
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
+
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = mesh_leaf(p, few->item[k]);
+        if (!l) {
+            rest |= 1u << k;
+            continue;
+        }
+        struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
+        if (volley_mesh(s, l, few, k, v->found.t, false, &asked))
+            found_take(&v->found, &v->rays, &v->view.crossings,
+                       rank_of(NO_INSTANCE, item_number(few->item[k])));
+    }
+    return rest;
+}
+
 static void found_meetings(const struct plan *p, const struct found *f, int n,
                            struct meeting *out)
 {
@@ -707,6 +758,7 @@ static void nearest_of_choice(const struct plan *p, struct scratch *s, const str
             found_take(&v->found, &v->rays, &v->view.crossings,
                        rank_of(NO_INSTANCE, item_number(c->few->item[k])));
     }
+    rest = nearest_of_meshes(p, s, c->few, rest, mask);
     if (rest)
         nearest_of_rest(p, s, c->few, rest, r, mask);
     found_meetings(p, &v->found, r->n, out);
@@ -888,6 +940,25 @@ static bool close_many(const struct plan *p, struct scratch *s, const struct few
     return !lanes_any(open, &v->rays);
 }
 
+/* The same for meshes with trees; returns those of the things that are none. */
+static uint32_t close_by_meshes(const struct plan *p, struct scratch *s, const struct few *few,
+                                uint32_t things, const double *far, struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
+
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = mesh_leaf(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (!l)
+            rest |= 1u << k;
+        else if (is_blocker(p, l) && volley_mesh(s, l, few, k, far, true, &asked))
+            crossings_close(&v->view.crossings, &v->rays, far, open);
+    }
+    return rest;
+}
+
 /* What stood in the way of the ray before (a bit) is tried first. */
 static bool one_is_blocked(struct search *s, const struct few *few, uint32_t may, uint32_t *last)
 {
@@ -973,6 +1044,7 @@ static void close_blocked(const struct plan *p, struct scratch *s, const struct 
         else if (close_many(p, s, c->few, k, far, open))
             return;
     }
+    rest = close_by_meshes(p, s, c->few, rest, far, open);
     if (rest)
         close_by_rest(p, s, c->few, rest, r, far, open);
 }

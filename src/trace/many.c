@@ -107,13 +107,19 @@ static void decide_unsure(const struct leaf *l, const struct packet *p, struct c
         }
 }
 
+const struct packet *leaf_packet(const struct leaf *l, const struct packet *p,
+                                 const struct lanes_asked *asked, struct leaf_view *view)
+{
+    if (!l->placement)
+        return p;
+    packet_place(&l->placement->place.from, p, asked, &view->placed);
+    return &view->placed;
+}
+
 void leaf_hits_many(const struct leaf *l, const struct packet *p, const struct lanes_asked *asked,
                     struct leaf_view *view)
 {
-    if (l->placement) {
-        packet_place(&l->placement->place.from, p, asked, &view->placed);
-        p = &view->placed;
-    }
+    p = leaf_packet(l, p, asked, view);
     if (l->ops)
         l->ops->hits_many(l->shape, p, asked->bits, &view->crossings);
     else

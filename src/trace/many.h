@@ -37,6 +37,10 @@ bool leaf_takes_many(const struct leaf *l);
 /* Is trying its box no quicker than asking it? */
 bool leaf_is_quick(const struct leaf *l);
 
+/* The packet in the leaf's own space: itself, or in view. */
+const struct packet *leaf_packet(const struct leaf *l, const struct packet *p,
+                                 const struct lanes_asked *asked, struct leaf_view *view);
+
 /* What the leaf says: into view->crossings, none of them unsure. */
 void leaf_hits_many(const struct leaf *l, const struct packet *p, const struct lanes_asked *asked,
                     struct leaf_view *view);

@@ -8,19 +8,17 @@
 
 enum { FACES_A_LEAF = 8 };
 
-static const vec3 *corner(const struct mesh *m, uint32_t face, int i)
+static const vec3 *nth_corner(const void *of, uint32_t face, int i)
 {
-    return &m->vertex[m->face[face].of[i]];
+    return mesh_corner(of, face, i);
 }
-
-static const vec3 *nth_corner(const void *of, uint32_t face, int i) { return corner(of, face, i); }
 
 static struct bounds face_bounds(const struct mesh *m, uint32_t face)
 {
     struct bounds b = BOUNDS_EMPTY;
 
     for (int i = 0; i < 3; i++)
-        b = bounds_join(b, (struct bounds) { *corner(m, face, i), *corner(m, face, i) });
+        b = bounds_join(b, (struct bounds) { *mesh_corner(m, face, i), *mesh_corner(m, face, i) });
     return b;
 }
 
@@ -44,8 +42,8 @@ static struct bounds kept_bounds(const void *of, size_t i)
 
 static bool is_finite(const struct mesh *m, uint32_t face)
 {
-    return vec_is_finite(*corner(m, face, 0)) && vec_is_finite(*corner(m, face, 1))
-           && vec_is_finite(*corner(m, face, 2));
+    return vec_is_finite(*mesh_corner(m, face, 0)) && vec_is_finite(*mesh_corner(m, face, 1))
+           && vec_is_finite(*mesh_corner(m, face, 2));
 }
 
 static struct kept keep_finite(const struct mesh *m, struct arena *mem)
@@ -90,8 +88,8 @@ static bool is_closed(const struct kept *k, struct arena *mem)
 
     for (size_t i = 0; i < k->n; i++)
         for (int side = 0; side < 3; side++) {
-            const vec3 *a = corner(k->mesh, kept_face(k, i), side);
-            const vec3 *b = corner(k->mesh, kept_face(k, i), (side + 1) % 3);
+            const vec3 *a = mesh_corner(k->mesh, kept_face(k, i), side);
+            const vec3 *b = mesh_corner(k->mesh, kept_face(k, i), (side + 1) % 3);
             int order = vec_order(a, b);
             if (order != 0)
                 edge[n++] = order < 0 ? (struct edge) { *a, *b } : (struct edge) { *b, *a };
@@ -149,15 +147,15 @@ INLINE void search_init(struct search *s, const struct mesh *m, double near, dou
 static struct hit hit_of(const struct search *s, const struct triangle_hit *h, uint32_t face)
 {
     return (struct hit) { .t = h->t, .u = (float)h->u, .v = (float)h->v, .part = face,
-                          .slack = triangle_slack(&s->ray, *corner(s->mesh, face, 0),
-                                                  *corner(s->mesh, face, 1),
-                                                  *corner(s->mesh, face, 2)) };
+                          .slack = triangle_slack(&s->ray, *mesh_corner(s->mesh, face, 0),
+                                                  *mesh_corner(s->mesh, face, 1),
+                                                  *mesh_corner(s->mesh, face, 2)) };
 }
 
 static bool crosses(const struct search *s, uint32_t face, struct triangle_hit *h)
 {
-    return triangle_cross(&s->ray, *corner(s->mesh, face, 0), *corner(s->mesh, face, 1),
-                          *corner(s->mesh, face, 2), h);
+    return triangle_cross(&s->ray, *mesh_corner(s->mesh, face, 0), *mesh_corner(s->mesh, face, 1),
+                          *mesh_corner(s->mesh, face, 2), h);
 }
 
 INLINE uint32_t sift(void *arg, const struct bvh_ray *r, uint32_t first, uint32_t count, float limit)
@@ -229,7 +227,7 @@ struct wide_nearest { wide t, u, v, slack; wide_ints face; };
 INLINE void try_face(const struct mesh *m, uint32_t face, const struct wide_triangle_ray *r,
                      struct wide_nearest *best, wide_mask *unsure)
 {
-    const vec3 a = *corner(m, face, 0), b = *corner(m, face, 1), c = *corner(m, face, 2);
+    const vec3 a = *mesh_corner(m, face, 0), b = *mesh_corner(m, face, 1), c = *mesh_corner(m, face, 2);
     struct wide_triangle_hit h;
     wide_mask met = wide_triangle_cross(r, a, b, c, &h, unsure) & wide_below(wide_of(0), h.t);
 
@@ -341,8 +339,8 @@ bool mesh_inside(const struct mesh_tree *t, vec3 p)
  * underflow. */
 static vec3 flat_normal(const struct mesh *m, uint32_t face)
 {
-    vec3 ab = vec_sub(*corner(m, face, 1), *corner(m, face, 0));
-    vec3 ac = vec_sub(*corner(m, face, 2), *corner(m, face, 0));
+    vec3 ab = vec_sub(*mesh_corner(m, face, 1), *mesh_corner(m, face, 0));
+    vec3 ac = vec_sub(*mesh_corner(m, face, 2), *mesh_corner(m, face, 0));
 
     return vec_cross(vec_unit(ac), vec_unit(ab));
 }

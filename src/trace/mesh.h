@@ -6,6 +6,7 @@
 #include "shape/packet.h"
 #include "trace/bvh.h"
 #include "trace/sieve.h"
+#include "trace/stream.h"
 
 struct mesh_tree {
     const struct mesh *mesh;
@@ -14,6 +15,11 @@ struct mesh_tree {
     bool is_closed;                     /* every line crosses it an even number of times */
     struct bounds bounds;
 };
+
+INLINE const vec3 *mesh_corner(const struct mesh *m, uint32_t face, int i)
+{
+    return &m->vertex[m->face[face].of[i]];
+}
 
 /* NULL: no face is finite. */
 const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, struct arena *mem);
@@ -29,6 +35,12 @@ bool mesh_nearest(const struct mesh_tree *t, struct ray ray, double near, double
 bool mesh_is_tiny(const struct mesh_tree *t);
 void mesh_nearest_many(const struct mesh_tree *t, const struct packet *p, const uint8_t may[],
                        struct crossings *out);
+
+/* Of larger meshes, the nearest crossing of each ray with 0 < t < far; far
+ * below 0: the ray is not asked.  is_any: one of them, whichever. */
+void mesh_nearest_stream(const struct mesh_tree *t, struct stream *s, const struct packet *p,
+                         const double far[], bool is_any, struct crossings *out,
+                         unsigned long long *box_tests);
 
 /* All crossings of near < t < far, in increasing t; no more than room. */
 int mesh_hits(const struct mesh_tree *t, struct ray ray, double near, double far,

@@ -27,21 +27,45 @@ void sieve_init(struct sieve *s, const struct bvh *b,
                 const vec3 *(*corner)(const void *of, uint32_t item, int i), const void *of,
                 struct arena *mem);
 
-INLINE void sieve_aim(struct sieve_ray *s, const struct bvh_ray *r)
+/* The same, a word each: for rays that are kept. */
+struct sieve_line {
+    float origin[3], shear[2], sign;
+    int axis[3];
+};
+
+INLINE void sieve_line(struct sieve_line *l, const float at[3], const float dir[3])
 {
-    float ax = fabsf(r->dir[0]), ay = fabsf(r->dir[1]), az = fabsf(r->dir[2]);
+    float ax = fabsf(dir[0]), ay = fabsf(dir[1]), az = fabsf(dir[2]);
     int z = ax >= ay && ax >= az ? 0 : ay >= az ? 1 : 2;
 
-    s->axis[2] = z;
-    s->axis[0] = z == 2 ? 0 : z + 1;
-    s->axis[1] = s->axis[0] == 2 ? 0 : s->axis[0] + 1;
-    float along = r->dir[z];
+    l->axis[2] = z;
+    l->axis[0] = z == 2 ? 0 : z + 1;
+    l->axis[1] = l->axis[0] == 2 ? 0 : l->axis[0] + 1;
     for (int i = 0; i < 3; i++)
-        s->origin[i] = lanes_of(r->at[s->axis[i]]);
-    s->shear[0] = lanes_of(r->dir[s->axis[0]] / along);
-    s->shear[1] = lanes_of(r->dir[s->axis[1]] / along);
-    s->sign = lanes_of(along > 0 ? 1 : -1);
-    s->apart = lanes_of(r->apart);
+        l->origin[i] = at[l->axis[i]];
+    l->shear[0] = dir[l->axis[0]] / dir[z];
+    l->shear[1] = dir[l->axis[1]] / dir[z];
+    l->sign = dir[z] > 0 ? 1 : -1;
+}
+
+INLINE void sieve_spread(struct sieve_ray *s, const struct sieve_line *l, float apart)
+{
+    for (int i = 0; i < 3; i++) {
+        s->axis[i] = l->axis[i];
+        s->origin[i] = lanes_of(l->origin[i]);
+    }
+    s->shear[0] = lanes_of(l->shear[0]);
+    s->shear[1] = lanes_of(l->shear[1]);
+    s->sign = lanes_of(l->sign);
+    s->apart = lanes_of(apart);
+}
+
+INLINE void sieve_aim(struct sieve_ray *s, const struct bvh_ray *r)
+{
+    struct sieve_line l;
+
+    sieve_line(&l, r->at, r->dir);
+    sieve_spread(s, &l, r->apart);
 }
 
 struct sieve_corner { lanes x, y, z; };
