@@ -67,7 +67,7 @@ size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint
  * point +- slack * unit normal, on the side it goes to. */
 struct surface_point {
     vec3 point;                         /* world */
-    vec3 local;                         /* where surface's place applies: in the instance's space
+    vec3 local;                         /* where the texture's place applies: in the instance's space
                                            if the look is the instance's own, else equals point */
     vec3 normal;                        /* world, of any length, outward as the solid sees it */
     vec2 uv;

@@ -44,7 +44,6 @@ struct leaf {
 /* How a surface looks; many leaves may share one.  surface.h has the rest. */
 struct surface {
     const struct texture *texture, *interior_texture;   /* bottom layers; the first never NULL */
-    struct transform place;             /* world (or instance's) from the texture's outer space */
     const struct interior *interior;    /* NULL: none given */
     const void *solid;                  /* identifies the object whose interior it is */
     bool is_opaque;                     /* no pigment in it can let light through */

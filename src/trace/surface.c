@@ -187,7 +187,7 @@ static uint32_t add_surface(struct plan *p, const struct look *look,
     struct surface *made = &p->surface[p->n_surface];
     *made = (struct surface) {
         .texture = look->texture, .interior_texture = look->interior_texture,
-        .place = *look->place, .interior = interior_of(p, look), .solid = look->solid,
+        .interior = interior_of(p, look), .solid = look->solid,
         .double_illuminate = look->double_illuminate, .hollow = look->hollow,
         .uv_mapping = look->uv_mapping,
         .wants_uv = look->uv_mapping || key->program->wants_uv || faces_want_uv(look, face)
