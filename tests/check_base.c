@@ -129,6 +129,21 @@ START_TEST(test_equal_text_is_an_equal_pointer)
 }
 END_TEST
 
+START_TEST(test_a_table_with_a_limit_forgets_and_stays_small)
+{
+    struct intern t = { .most = 100 };
+
+    for (uint64_t i = 0; i < 5000; i++) {
+        uint64_t key = i / 2;           /* each comes twice, one after the other */
+        const void **value = intern_at(&t, &mem, &key, sizeof key);
+        ck_assert_ptr_eq(*value, i % 2 ? (const void *)&t : NULL);
+        *value = &t;
+    }
+    ck_assert_uint_le(t.n, 100);
+    ck_assert_uint_le(t.room, 256);
+}
+END_TEST
+
 static const void *nth(size_t i) { return (const char *)0x7f0000001000 + i * 432; }
 
 /* Keys are mostly pointers, whose lower bits say little. */
@@ -289,6 +304,7 @@ int main(void)
     tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);
     tcase_add_exit_test(t, test_an_overflowing_array_is_a_limit_and_not_a_small_block, 4);
     tcase_add_test(t, test_equal_text_is_an_equal_pointer);
+    tcase_add_test(t, test_a_table_with_a_limit_forgets_and_stays_small);
     tcase_add_test(t, test_equal_bytes_have_one_value_and_slots_of_their_own);
     tcase_add_test(t, test_distance_counts_edits_and_swaps);
     tcase_add_test(t, test_every_kind_of_line_end_counts_once);

@@ -304,10 +304,10 @@ START_TEST(test_all_layers_of_a_texture_move)
 
     bottom.above = &top;
     const struct texture *moved = texture_move(&mem, &bottom, &t);
-    NEAR_VEC(mat_point(&moved->place.to, vec(0, 0, 0)), vec(1, 2, 3));
-    NEAR_VEC(mat_point(&moved->above->place.to, vec(0, 0, 0)), vec(1, 2, 3));
+    NEAR_VEC(mat_point(&moved->place->to, vec(0, 0, 0)), vec(1, 2, 3));
+    NEAR_VEC(mat_point(&moved->above->place->to, vec(0, 0, 0)), vec(1, 2, 3));
     ck_assert_ptr_null(moved->above->above);
-    ck_assert(bottom.place.is_identity && top.place.is_identity);
+    ck_assert(bottom.place->is_identity && top.place->is_identity);
 }
 END_TEST
 

@@ -148,10 +148,11 @@ static colour colour_by_map(const struct map_entry *entry, size_t n, double valu
     struct colours c;
 
     p.kind = PIGMENT_COLOUR_MAP;
-    p.pattern.ops = &along_x;
+    struct pattern_use use = *p.pattern;
+    use.ops = &along_x;
+    p.pattern = &use;
     p.entry = (struct map_entry *)entry;
     p.n_entry = n;
-    p.place = transform_identity;
     const struct paint *paint = paint_new(&mem, &p, &transform_identity);
     paint_colours(paint, &(struct spots) { 1, &value, &zero, &zero, &zero, &zero }, &c);
     return (colour) { c.r[0], c.g[0], c.b[0], c.f[0], c.t[0] };
@@ -444,10 +445,8 @@ static const struct texture *texture_with(colour c, struct finish finish)
     struct texture *t = arena_copy(&mem, &texture_default, sizeof *t);
 
     p->colour = c;
-    p->place = transform_identity;
     t->pigment = p;
     t->finish = arena_copy(&mem, &finish, sizeof finish);
-    t->place = transform_identity;
     return t;
 }
 

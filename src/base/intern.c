@@ -51,18 +51,37 @@ static void grow(struct intern *t, struct arena *mem)
             *free_slot(t, old.slot[i].hash) = old.slot[i];
 }
 
+/* A table with a limit forgets all at once: what comes again soon is found, and
+ * what never does costs nothing. */
+static void make_room(struct intern *t, struct arena *mem)
+{
+    if (t->most && t->n == t->most) {
+        memset(t->slot, 0, t->room * sizeof *t->slot);
+        t->n = 0;
+    } else if (t->n * 2 >= t->room)
+        grow(t, mem);
+}
+
+static const void *keep_key(struct intern *t, struct arena *mem, const void *key, size_t size)
+{
+    if (!t->most)
+        return arena_copy(mem, key, size);
+    if (!t->keys)
+        t->keys = arena_array(mem, t->most, size);
+    return memcpy(t->keys + t->n * size, key, size);
+}
+
 static struct intern_slot *slot_of(struct intern *t, struct arena *mem, const void *key, size_t size)
 {
     uint64_t hash = hash_of(key, size);
+    struct intern_slot *s = t->room ? find(t, hash, key, size) : NULL;
 
-    if (t->n * 2 >= t->room)
-        grow(t, mem);
-    struct intern_slot *s = find(t, hash, key, size);
-    if (!s->key) {
-        s->key = arena_copy(mem, key, size);
-        s->hash = hash;
-        t->n++;
-    }
+    if (s && s->key)
+        return s;
+    make_room(t, mem);
+    s = free_slot(t, hash);
+    *s = (struct intern_slot) { hash, keep_key(t, mem, key, size), NULL };
+    t->n++;
     return s;
 }
 

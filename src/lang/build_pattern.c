@@ -182,7 +182,7 @@ struct patterned patterned_new(enum value_type of)
 
     memset(&p, 0, sizeof p);            /* equal ones are found by their bytes */
     p.of = of;
-    p.use = pigment_default.pattern;
+    p.use = *pigment_default.pattern;
     p.place = transform_identity;
     p.amount = 0.5;
     p.accuracy = 0.02;

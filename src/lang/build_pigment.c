@@ -49,7 +49,9 @@ static enum pigment_kind kind_of(const struct patterned *p)
     return PIGMENT_COLOUR;
 }
 
-static const struct pigment *new_pigment(struct lang *l, const struct patterned *p, const void *said)
+/* said: what is kept of p for good. */
+static const struct pigment *new_pigment(struct lang *l, const struct patterned *p,
+                                         const struct patterned *said)
 {
     struct pigment *pigment = arena_copy(l->scene_mem, &pigment_default, sizeof *pigment);
 
@@ -57,16 +59,14 @@ static const struct pigment *new_pigment(struct lang *l, const struct patterned 
     pigment->colour = p->colour;
     pigment->quick_colour = p->quick_colour;
     pigment->has_quick_colour = p->has_quick_colour;
-    pigment->pattern = p->use;
+    pigment->pattern = &said->use;
     pigment->entry = (struct map_entry *)p->map.entry;
     pigment->n_entry = p->map.n;
-    pigment->image = p->image;
-    pigment->place = p->place;
+    pigment->image = &said->image;
+    pigment->place = &said->place;
     pigment->uv_mapping = p->uv_mapping;
     pigment->said = said;
     pigment->unsupported = p->unsupported;
-    if (pigment->kind != PIGMENT_COLOUR_MAP && pigment->kind != PIGMENT_PIGMENT_MAP)
-        pigment->pattern.ops = NULL;
     bool shown = !p->unsupported && (pigment->kind != PIGMENT_IMAGE || p->image.image)
                  && (pigment->kind != PIGMENT_AVERAGE || p->map.n > 0);
     if (!shown) {

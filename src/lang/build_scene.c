@@ -97,12 +97,17 @@ static const struct block *find_block(const char *word)
     return NULL;
 }
 
+/* Looks that many objects share come again soon; a colour for each of a million
+ * objects should not cost a place in a table. */
+enum { MOST_LOOKS = 4096 };
+
 struct build *build_of(struct lang *l)
 {
     if (!l->build) {
         l->build = arena_alloc(l->mem, sizeof *l->build);
         l->build->texture = &texture_default;
         l->build->camera = camera_default;
+        l->build->plain.most = l->build->look.most = MOST_LOOKS;
     }
     return l->build;
 }

@@ -60,7 +60,7 @@ static const struct texture *end_layers(struct lang *l, const struct texture *bo
     if (bottom)
         return bottom;
     bool is_more = single->kind != TEXTURE_PLAIN || single->uv_mapping
-                   || !single->place.is_identity;
+                   || !single->place->is_identity;
     return is_more ? copy(l, single) : keep_once(l, single);
 }
 
@@ -109,10 +109,10 @@ static const struct pigment *placed_pigment(struct lang *l, const struct pigment
     if (place->is_identity || p->uv_mapping)
         return p;
     struct pigment *moved = arena_copy(l->scene_mem, p, sizeof *p);
-    moved->place = transform_compose(place, &p->place);
+    moved->place = transform_moved(l->scene_mem, place, p->place);
     if (p->said) {
         struct patterned *said = arena_copy(l->scene_mem, p->said, sizeof *said);
-        said->place = moved->place;
+        said->place = *moved->place;
         moved->said = said;
     }
     return moved;
@@ -132,11 +132,11 @@ static const struct normal *placed_normal(struct lang *l, const struct normal *n
  * that has not been moved. */
 static void settle(struct lang *l, struct texture *t)
 {
-    if (t->kind != TEXTURE_PLAIN || t->place.is_identity)
+    if (t->kind != TEXTURE_PLAIN || t->place->is_identity)
         return;
-    t->pigment = placed_pigment(l, t->pigment, &t->place);
-    t->normal = placed_normal(l, t->normal, &t->place);
-    t->place = transform_identity;
+    t->pigment = placed_pigment(l, t->pigment, t->place);
+    t->normal = placed_normal(l, t->normal, t->place);
+    t->place = &transform_identity;
 }
 
 bool build_look(struct lang *l, const struct item *i, const struct texture **layers)
@@ -231,7 +231,7 @@ static const struct texture *plain(struct reader *r, const struct texture *from)
             for (struct texture *t = bottom ? (struct texture *)bottom : top; t;
                  t = (struct texture *)t->above)
                 if (!t->uv_mapping)
-                    t->place = transform_compose(&move, &t->place);
+                    t->place = transform_moved(r->lang->scene_mem, &move, t->place);
         } else if (i.kind != ITEM_WORD || !item_is(&i, "no_bump_scale"))
             build_unknown(r->lang, &i, "texture", tables);
     }
@@ -245,10 +245,10 @@ static const struct texture *patterned(struct reader *r, const struct item *bloc
     build_patterned(r, &p, block);
     struct texture *t = copy(r->lang, &texture_default);
     t->kind = p.kind == PATTERNED_AVERAGE ? TEXTURE_AVERAGE : TEXTURE_MAP;
-    t->pattern = p.use;
+    t->pattern = arena_copy(r->lang->scene_mem, &p.use, sizeof p.use);
     t->entry = (struct map_entry *)p.map.entry;
     t->n_entry = p.map.n;
-    t->place = p.place;
+    t->place = arena_copy(r->lang->scene_mem, &p.place, sizeof p.place);
     t->uv_mapping = p.uv_mapping;
     if (p.unsupported || p.map.n == 0) {    /* the first entry stands for all */
         *t = p.map.n > 0 ? *p.map.entry[0].texture : *r->lang->build->texture;
@@ -298,11 +298,13 @@ static const struct texture *tiles(struct reader *outer, const struct item *bloc
     reader_close(&r);
     e[1].value = 1;
     t->kind = TEXTURE_MAP;
-    t->pattern.ops = pattern_find("checker");
-    t->pattern.frequency = 0;
+    struct pattern_use checker = *texture_default.pattern;
+    checker.ops = pattern_find("checker");
+    checker.frequency = 0;
+    t->pattern = arena_copy(l->scene_mem, &checker, sizeof checker);
     t->entry = e;
     t->n_entry = 2;
-    return t->pattern.ops ? t : e[1].texture;
+    return checker.ops ? t : e[1].texture;
 }
 
 static const struct texture *material_map(struct reader *outer, const struct item *block)

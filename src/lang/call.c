@@ -304,7 +304,7 @@ static void call_extent(struct arguments *a, struct value *out)
 
     if (a->v[0].type == VALUE_PIGMENT) {
         const struct pigment *p = a->v[0].thing;
-        const struct image *image = p->kind == PIGMENT_IMAGE ? p->image.image : NULL;
+        const struct image *image = p->kind == PIGMENT_IMAGE ? p->image->image : NULL;
         three(out, image && !low ? vec(image->width, image->height, 0) : vec(0, 0, 0));
         return;
     }

@@ -208,14 +208,14 @@ static void dump_pigment(const struct printer *p, const struct pigment *pigment)
     if (pigment->kind == PIGMENT_COLOUR)
         line(&in, "%s", colour_text(TEXT, pigment->colour));
     if (pigment->kind == PIGMENT_IMAGE)
-        dump_image(&in, &pigment->image);
+        dump_image(&in, pigment->image);
     if (pigment->kind == PIGMENT_AVERAGE)
         line(&in, "average");
     if (pigment->uv_mapping)
         line(&in, "uv_mapping");
-    dump_pattern(&in, &pigment->pattern);
+    dump_pattern(&in, pigment->pattern);
     dump_entries(&in, pigment->entry, pigment->n_entry);
-    dump_place(&in, &pigment->place);
+    dump_place(&in, pigment->place);
     line(p, "}");
 }
 
@@ -269,10 +269,10 @@ static void dump_layer(const struct printer *p, const char *word, const struct t
     } else {
         if (t->kind == TEXTURE_AVERAGE)
             line(&in, "average");
-        dump_pattern(&in, &t->pattern);
+        dump_pattern(&in, t->pattern);
         dump_entries(&in, t->entry, t->n_entry);
     }
-    dump_place(&in, &t->place);
+    dump_place(&in, t->place);
     line(p, "}");
 }
 

@@ -48,7 +48,7 @@ static colour entry_at(const struct pigment *p, int i, vec3 at)
 
 static colour map_at(const struct pigment *p, vec3 at)
 {
-    struct map_place m = place_in_map(p, pattern_value(&p->pattern, at));
+    struct map_place m = place_in_map(p, pattern_value(p->pattern, at));
     colour c = entry_at(p, m.before, at);
 
     return m.share == 0 ? c : colour_between(c, entry_at(p, m.after, at), m.share);
@@ -76,9 +76,9 @@ colour pigment_at(const struct pigment *p, vec3 at)
 {
     if (p->kind == PIGMENT_COLOUR)
         return p->colour;
-    at = pattern_point(&p->pattern, &p->place, at);
+    at = pattern_point(p->pattern, p->place, at);
     switch (p->kind) {
-    case PIGMENT_IMAGE: return picture_colour(&p->image, at);
+    case PIGMENT_IMAGE: return picture_colour(p->image, at);
     case PIGMENT_AVERAGE: return average_at(p, at);
     default: return map_at(p, at);
     }

@@ -86,17 +86,18 @@ struct image_use {
     double filter_all, transmit_all;    /* added to every pixel's */
 };
 
+/* A scene may have one for each of its objects. */
 struct pigment {
     enum pigment_kind kind;
     colour colour;
     colour quick_colour;
     bool has_quick_colour;
-    struct pattern_use pattern;
+    bool uv_mapping;
+    const struct pattern_use *pattern;  /* never NULL, like image and place: most share them */
     struct map_entry *entry;            /* of the map or list; NULL with n 0: the pattern's default */
     size_t n_entry;
-    struct image_use image;
-    struct transform place;             /* texture's space from the pigment's */
-    bool uv_mapping;
+    const struct image_use *image;
+    const struct transform *place;      /* texture's space from the pigment's */
     const char *unsupported;            /* not NULL: what cannot be shown yet; a plain colour stands for it */
     const void *said;                   /* the language's: how it was written */
 };

@@ -4,18 +4,18 @@
 
 #include "scene/object.h"
 
-#define IDENTITY { { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } }, \
-                   { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } }, true }
-#define PATTERN_USE { .frequency = 1, .exponent = 1, \
-                      .turbulence = { .lambda = 2, .omega = 0.5, .octaves = 6 } }
+static const struct pattern_use no_pattern = {
+    .frequency = 1, .exponent = 1, .turbulence = { .lambda = 2, .omega = 0.5, .octaves = 6 },
+};
+static const struct image_use no_image;
 
 const struct pigment pigment_default = {
-    .kind = PIGMENT_COLOUR, .pattern = PATTERN_USE, .place = IDENTITY,
+    .kind = PIGMENT_COLOUR, .pattern = &no_pattern, .image = &no_image, .place = &transform_identity,
 };
 
 const struct texture texture_default = {
     .kind = TEXTURE_PLAIN, .pigment = &pigment_default, .finish = &finish_default,
-    .pattern = PATTERN_USE, .place = IDENTITY,
+    .pattern = &no_pattern, .place = &transform_identity,
 };
 
 const struct interior interior_default = { .dispersion = 1, .dispersion_samples = 7 };
@@ -36,6 +36,14 @@ const struct field interior_fields[] = {
     FIELD_END,
 };
 
+const struct transform *transform_moved(struct arena *mem, const struct transform *t,
+                                        const struct transform *place)
+{
+    struct transform both = transform_compose(t, place);
+
+    return arena_copy(mem, &both, sizeof both);
+}
+
 /* The lowest layer is copied first, so layers keep their order.  One that lives
  * in (u, v) is not moved from outside of its block. */
 const struct texture *texture_move(struct arena *mem, const struct texture *layers,
@@ -48,7 +56,7 @@ const struct texture *texture_move(struct arena *mem, const struct texture *laye
     for (const struct texture *from = layers; from; from = from->above) {
         struct texture *copy = arena_copy(mem, from, sizeof *from);
         if (!from->uv_mapping)
-            copy->place = transform_compose(t, &from->place);
+            copy->place = transform_moved(mem, t, from->place);
         *link = copy;
         link = &copy->above;
     }

@@ -17,10 +17,10 @@ struct texture {
     const struct pigment *pigment;      /* of a plain texture; never NULL there */
     const struct normal *normal;        /* may be NULL */
     const struct finish *finish;        /* never NULL in a plain texture */
-    struct pattern_use pattern;         /* of the other kinds */
+    const struct pattern_use *pattern;  /* of the other kinds */
     struct map_entry *entry;
     size_t n_entry;
-    struct transform place;             /* the owner object's outer space from the texture's */
+    const struct transform *place;      /* the owner object's outer space from the texture's */
     const struct texture *above;        /* the next layer, or NULL */
     bool uv_mapping;
     const char *unsupported;            /* not NULL: what cannot be shown yet */
@@ -40,5 +40,9 @@ struct interior {
 extern const struct interior interior_default;
 extern const struct field interior_fields[];
 extern const struct texture texture_default;
+
+/* place, moved by t. */
+const struct transform *transform_moved(struct arena *mem, const struct transform *t,
+                                        const struct transform *place);
 
 #endif

@@ -53,7 +53,7 @@ static void colour_entries(struct paint *q, struct arena *mem, const struct pigm
         q->can_transmit |= is_clear(c[i]);
     }
     q->entry_colour = c;
-    q->gauge = gauge_new(mem, chain, &p->pattern, p->entry, p->n_entry);
+    q->gauge = gauge_new(mem, chain, p->pattern, p->entry, p->n_entry);
 }
 
 static void pigment_entries(struct paint *q, struct arena *mem, const struct pigment *p,
@@ -74,7 +74,7 @@ static void pigment_entries(struct paint *q, struct arena *mem, const struct pig
                                        : 1.0 / (double)p->n_entry);
     q->entry = paint;
     q->weight = weight;
-    q->gauge = gauge_new(mem, chain, &p->pattern, p->entry, p->n_entry);
+    q->gauge = gauge_new(mem, chain, p->pattern, p->entry, p->n_entry);
 }
 
 const struct paint *paint_new(struct arena *mem, const struct pigment *p,
@@ -82,14 +82,16 @@ const struct paint *paint_new(struct arena *mem, const struct pigment *p,
 {
     struct paint *q = arena_alloc(mem, sizeof *q);
 
-    struct chain chain = chain_of(outer, &p->place, p->uv_mapping, &p->pattern.turbulence);
-
     q->kind = p->kind;
     q->colour = p->colour;
     q->wants_uv = p->uv_mapping;
+    if (p->kind == PIGMENT_COLOUR) {            /* each of many objects may have one */
+        q->can_transmit = is_clear(p->colour);
+        return q;
+    }
+    struct chain chain = chain_of(outer, p->place, p->uv_mapping, &p->pattern->turbulence);
     switch (p->kind) {
     case PIGMENT_COLOUR:
-        q->can_transmit = is_clear(p->colour);
         break;
     case PIGMENT_COLOUR_MAP:
         colour_entries(q, mem, p, &chain);
@@ -99,10 +101,10 @@ const struct paint *paint_new(struct arena *mem, const struct pigment *p,
         pigment_entries(q, mem, p, &chain);
         break;
     case PIGMENT_IMAGE:
-        q->image = arena_copy(mem, &p->image, sizeof p->image);
-        q->can_transmit = p->image.image->has_transparency || p->image.once
-                          || p->image.filter_all != 0 || p->image.transmit_all != 0;
-        q->gauge = gauge_new(mem, &chain, &p->pattern, NULL, 0);
+        q->image = arena_copy(mem, p->image, sizeof *p->image);
+        q->can_transmit = p->image->image->has_transparency || p->image->once
+                          || p->image->filter_all != 0 || p->image->transmit_all != 0;
+        q->gauge = gauge_new(mem, &chain, p->pattern, NULL, 0);
         break;
     }
     return q;

@@ -208,7 +208,7 @@ static const char *pigment_word(const struct pigment *g)
     case PIGMENT_COLOUR:  return "plain";
     case PIGMENT_IMAGE:   return "image_map";
     case PIGMENT_AVERAGE: return "average";
-    default:              return g->pattern.ops->name;
+    default:              return g->pattern->ops->name;
     }
 }
 
@@ -217,7 +217,7 @@ static bool is_bright(rgb c) { return c.r > 0 || c.g > 0 || c.b > 0; }
 static void dump_layer(const struct texture *t, FILE *out)
 {
     if (t->kind != TEXTURE_PLAIN) {
-        fprintf(out, " %s of %zu textures", t->pattern.ops ? t->pattern.ops->name : "average",
+        fprintf(out, " %s of %zu textures", t->pattern->ops ? t->pattern->ops->name : "average",
                 t->n_entry);
         return;
     }

@@ -48,11 +48,11 @@ static void add_layers(struct program *p, struct arena *mem, const struct settin
     p->n_layer = n;
     p->can_transmit = true;
     for (const struct texture *t = bottom; t; t = t->above) {
-        struct transform place = t->uv_mapping ? t->place : transform_compose(outer, &t->place);
+        struct transform place = t->uv_mapping ? *t->place : transform_compose(outer, t->place);
         struct pigment pigment = *t->pigment;
         pigment.uv_mapping |= t->uv_mapping;
         if (t->uv_mapping)
-            pigment.place = transform_compose(&place, &pigment.place);
+            pigment.place = transform_moved(mem, &place, pigment.place);
         struct layer *l = &layer[--n];
         l->paint = paint_new(mem, &pigment, &place);
         l->gloss = gloss_new(mem, settings, t->finish);
@@ -63,6 +63,22 @@ static void add_layers(struct program *p, struct arena *mem, const struct settin
     }
     p->is_plain = p->n_layer == 1 && layer[0].paint->kind == PIGMENT_COLOUR;
     p->colour = layer[0].paint->colour;
+}
+
+struct program *program_plain(struct arena *mem, const struct pigment *p, const struct gloss *gloss)
+{
+    struct program *made = arena_alloc(mem, sizeof *made);
+    const struct paint *paint = paint_new(mem, p, &transform_identity);
+    const struct layer layer = { paint, gloss, paint->can_transmit };
+
+    made->is_plain = true;
+    made->colour = p->colour;
+    made->can_transmit = paint->can_transmit;
+    made->has_mirror = gloss->has_mirror;
+    made->wants_uv = paint->wants_uv;
+    made->layer = arena_copy(mem, &layer, sizeof layer);
+    made->n_layer = 1;
+    return made;
 }
 
 static void add_entries(struct program *p, struct arena *mem, const struct settings *settings,
@@ -99,9 +115,9 @@ struct program *program_new(struct arena *mem, const struct settings *settings,
     p->kind = texture->kind == TEXTURE_MAP ? PROGRAM_MAP : PROGRAM_AVERAGE;
     p->wants_uv = texture->uv_mapping;
     add_entries(p, mem, settings, texture);
-    struct chain chain = chain_of(outer, &texture->place, texture->uv_mapping,
-                                  &texture->pattern.turbulence);
-    p->gauge = gauge_new(mem, &chain, &texture->pattern, texture->entry, texture->n_entry);
+    struct chain chain = chain_of(outer, texture->place, texture->uv_mapping,
+                                  &texture->pattern->turbulence);
+    p->gauge = gauge_new(mem, &chain, texture->pattern, texture->entry, texture->n_entry);
     return p;
 }
 

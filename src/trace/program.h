@@ -47,12 +47,15 @@ struct program {
     const struct program **entry;
     const float *weight;                /* of an average; they add up to 1 */
     const struct program **face;        /* of a mesh: by the numbers of its faces' textures */
+    uint32_t lone;                      /* 1 + the surface that is no more than this program; 0: not made */
 };
 
 const struct gloss *gloss_new(struct arena *mem, const struct settings *settings,
                               const struct finish *f);
 struct program *program_new(struct arena *mem, const struct settings *settings,
                             const struct texture *texture, const struct transform *outer);
+/* One layer of one colour, with a gloss that is there already. */
+struct program *program_plain(struct arena *mem, const struct pigment *p, const struct gloss *gloss);
 
 /* How much light comes through, as shadows see it: the product over the layers
  * of colour * filter + transmit. */

@@ -55,8 +55,7 @@ static const struct program *plain_program(struct plan *p, const struct texture 
     key.gloss = gloss_of(p, t->finish);
     const void **one = intern_at(&s->plain, p->mem, &key, sizeof key);
     if (!*one) {
-        struct program *made = program_new(p->mem, &p->scene->settings, t, &transform_identity);
-        ((struct layer *)made->layer)->gloss = key.gloss;
+        struct program *made = program_plain(p->mem, t->pigment, key.gloss);
         made->group = plain_group(p, key.gloss, made->can_transmit);
         s->n_program++;
         *one = made;
@@ -155,6 +154,13 @@ struct surface_key {
     bool double_illuminate, hollow, uv_mapping;
 };
 
+/* No more than its program?  Most are, and the program knows them. */
+static bool is_lone(const struct surface_key *k)
+{
+    return !k->interior_program && !k->mesh && !k->interior && !k->solid && !k->old_words
+           && !k->double_illuminate && !k->hollow && !k->uv_mapping;
+}
+
 static bool has_caustics(const struct surface *s)
 {
     return s->interior && s->interior->caustics != 0;
@@ -209,6 +215,15 @@ static const struct transform *texture_room(const struct look *look)
     return look->uv_mapping ? &transform_identity : look->place;
 }
 
+static uint32_t lone_surface(struct plan *p, const struct look *look, const struct surface_key *key)
+{
+    struct program *program = (struct program *)key->program;   /* const for all but its builder */
+
+    if (!program->lone)
+        program->lone = 1 + add_surface(p, look, key);
+    return program->lone - 1;
+}
+
 uint32_t surface_of(struct plan *p, const struct look *look)
 {
     struct shader *s = shader_of(p);
@@ -228,6 +243,8 @@ uint32_t surface_of(struct plan *p, const struct look *look)
     bool can_enter = look->interior || key.mesh || key.old_words || key.program->can_transmit
                      || (key.interior_program && key.interior_program->can_transmit);
     key.solid = can_enter ? look->solid : NULL;
+    if (is_lone(&key))
+        return lone_surface(p, look, &key);
     const void **one = intern_at(&s->surface, p->mem, &key, sizeof key);
     if (!*one) {
         uint32_t number = add_surface(p, look, &key);
