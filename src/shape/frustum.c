@@ -48,8 +48,9 @@ static struct bounds disc_bounds(vec3 centre, vec3 axis, double r)
     return (struct bounds) { vec_sub(centre, by), vec_add(centre, by) };
 }
 
-struct bounds frustum_bounds(const struct frustum *s)
+struct bounds frustum_bounds(const void *self)
 {
+    const struct frustum *s = self;
     vec3 cap = vec_fma(s->base, s->height * s->size, s->z);
     double cap_radius = fmax(0, fma(s->slope, s->height, s->r)) * s->size;
 
@@ -57,8 +58,9 @@ struct bounds frustum_bounds(const struct frustum *s)
                                   disc_bounds(cap, s->z, cap_radius)));
 }
 
-void frustum_hold(const struct frustum *s, vec3 *centre, vec3 edge[3])
+void frustum_hold(const void *self, vec3 *centre, vec3 edge[3])
 {
+    const struct frustum *s = self;
     double radius = fmax(s->r, fma(s->slope, s->height, s->r)) * s->size;
 
     edge[0] = vec_scale(s->x, radius);
@@ -196,13 +198,14 @@ KERNEL static void chords(const struct frustum *s, int n, const double *restrict
     }
 }
 
-void frustum_spans(const struct frustum *s, const struct rays *r, double near[], double far[])
+void frustum_spans(const void *self, const struct rays *r, double near[], double far[])
 {
-    chords(s, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
+    chords(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
-int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[])
+int frustum_hits(const void *self, struct ray ray, struct hit out[])
 {
+    const struct frustum *s = self;
     int n = span_hits(cut, s, s->reach, ray, out), kept = 0;
 
     if (!s->is_open)
@@ -213,9 +216,12 @@ int frustum_hits(const struct frustum *s, struct ray ray, struct hit out[])
     return kept;
 }
 
-bool frustum_nearest(const struct frustum *s, struct ray ray, double near, double far,
+bool frustum_nearest(const void *self, const struct ray *along, double near, double far,
                      struct hit *out)
 {
+    const struct frustum *s = self;
+    struct ray ray = *along;
+
     if (LIKELY(!s->is_open))
         return span_nearest(cut, s, s->reach, ray, near, far, out);
 
@@ -315,16 +321,21 @@ static void leave_out_discs(const struct packet *p, struct crossings *c)
     }
 }
 
-void frustum_hits_many(const struct frustum *s, const struct packet *p, const uint8_t may[],
+void frustum_hits_many(const void *self, const struct packet *p, const uint8_t may[],
                        struct crossings *out)
 {
+    const struct frustum *s = self;
+
     packet_spans(cut_many, s, s->reach, p, may, out);
     if (s->is_open)
         leave_out_discs(p, out);
 }
 
-bool frustum_inside(const struct frustum *s, vec3 p)
+bool frustum_is_leaky(const void *self) { return ((const struct frustum *)self)->is_open; }
+
+bool frustum_inside(const void *self, vec3 p)
 {
+    const struct frustum *s = self;
     vec3 q = to_own(s, p);
     double rho = fma(s->slope, q.z, s->r);
 
@@ -332,8 +343,10 @@ bool frustum_inside(const struct frustum *s, vec3 p)
 }
 
 /* Of the wall: the gradient of (x^2 + y^2 - rho^2) / 2; the apex has none. */
-vec3 frustum_normal(const struct frustum *s, vec3 p, const struct hit *h)
+vec3 frustum_normal(const void *self, vec3 p, const struct hit *h)
 {
+    const struct frustum *s = self;
+
     if (h->part != FRUSTUM_WALL)
         return h->part == FRUSTUM_CAP ? s->z : vec_neg(s->z);
 

@@ -1,4 +1,4 @@
-/* world.h: what geometry.c walks: trees whose items are leaves, meshes, CSG
+/* world.h: what searches walk: trees whose items are leaves, meshes, CSG
  * roots and instances. */
 #ifndef RTC_WORLD_H
 #define RTC_WORLD_H

@@ -1,0 +1,68 @@
+/* scratch.h: what a thread keeps while it looks for what rays meet. */
+#ifndef RTC_SCRATCH_H
+#define RTC_SCRATCH_H
+
+#include "trace/convex.h"
+#include "trace/many.h"
+#include "trace/stream.h"
+#include "trace/world.h"
+
+enum { MOST_CROSSINGS = SHAPE_MOST_HITS };   /* kept at a time; more are found by looking again */
+
+/* What stood in a light's way last time, to be asked first. */
+struct blocker {
+    uint32_t item, instance;
+    bool is_known;
+};
+
+/* How many rays make a beam, and how many go by themselves first because
+ * beams did not pay. */
+struct pace { int size, rest, wait; };
+
+enum { MOST_LISTS = 16 };
+
+/* Crossings of light that were found ahead: those of each ray in order. */
+enum { MOST_KEPT = 512, KEPT_END, KEPT_TOO_MANY };
+struct kept { struct meeting m; uint32_t next; };
+
+/* A barrier that is a list of them: its first's number below. */
+#define BARRIER_KEPT ((uint64_t)1 << 61)
+
+/* A packet of rays on its way through the choice. */
+struct volley {
+    struct packet rays;
+    struct inverses inverse;            /* once something asks */
+    bool has_inverse;
+    struct found found;
+    struct leaf_view view;
+    double far[PACKET];
+    uint32_t on_the_way;                /* of the choice */
+};
+
+struct scratch {
+    const struct plan *plan;
+    struct csg_scratch csg;
+    struct convex_work *convex;
+    struct geometry_counts counts;
+    struct blocker *blocker;            /* a light */
+    size_t n_blocker;
+    struct pace nearest, *blocked;      /* blocked: a light */
+    struct few beam;                    /* the last beam's */
+    struct stream *stream;
+    uint32_t list[MOST_LISTS][FEW];     /* what beams of shadow rays found, for their crossings */
+    int n_list;
+    struct kept kept[MOST_KEPT];
+    uint32_t n_kept;
+    struct volley volley;
+    struct meeting crossing[MOST_CROSSINGS];
+};
+
+/* What stood in the light's way last time; none: for a light that has no place
+ * of its own. */
+INLINE struct blocker *last_blocker(struct scratch *s, uint32_t light, struct blocker *none)
+{
+    *none = (struct blocker) { .is_known = false };
+    return light < s->n_blocker ? &s->blocker[light] : none;
+}
+
+#endif

@@ -1,0 +1,248 @@
+/* volley_blocked.c: what stands between the points and the light of a packet of
+ * shadow rays. */
+#include <string.h>
+
+#include "trace/volley.h"
+
+static bool is_blocker(const struct plan *p, const struct leaf *l)
+{
+    return (l->mask & RAY_SHADOW) && p->surface[l->surface].is_opaque;
+}
+
+/* Takes the rays out of open that item k blocks; true: all are. */
+static bool close_many(const struct plan *p, struct scratch *s, const struct few *few, int k,
+                       const double *far, struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    const struct leaf *l = hot_leaf(p, few->item[k]);
+    struct lanes_asked asked = *open;
+
+    if (is_blocker(p, l) && volley_leaf(s, l, few, k, far, &asked))
+        crossings_close(&v->view.crossings, &v->rays, far, open);
+    return !lanes_any(open, &v->rays);
+}
+
+/* The same for meshes with trees; returns those of the things that are none. */
+static uint32_t close_by_meshes(const struct plan *p, struct scratch *s, const struct few *few,
+                                uint32_t things, const double *far, struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
+
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = mesh_leaf(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (!l)
+            rest |= 1u << k;
+        else if (is_blocker(p, l) && volley_mesh(s, l, few, k, far, true, &asked))
+            crossings_close(&v->view.crossings, &v->rays, far, open);
+    }
+    return rest;
+}
+
+/* What stood in the way of the ray before (a bit) is tried first. */
+static bool one_is_blocked(struct search *s, const struct few *few, uint32_t may, uint32_t *last)
+{
+    double unused;
+
+    if (may & *last && visit_blocked(s, few->item, may & *last, &unused))
+        return true;
+    for (may &= ~*last; may; may &= may - 1)
+        if (visit_blocked(s, few->item, may & -may, &unused)) {
+            *last = may & -may;
+            return true;
+        }
+    return false;
+}
+
+static void close_lane(struct lanes_asked *open, int i)
+{
+    open->bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
+}
+
+/* The same for shadow rays, whose bits go where the way is free. */
+static void blocked_by_convex(struct search *s, const struct few *few, uint32_t k,
+                              const struct rays *r, const double *far, uint64_t *may,
+                              struct lanes_asked *open)
+{
+    const struct csg *csg = convex_of(s->plan, few->item[k]);
+    struct convex_work *w = s->s->convex;
+
+    for (int at = 0; csg && (csg->mask & RAY_SHADOW) && convex_gather(w, r, may, k, &at);) {
+        for (int j = 0; j < w->n; j++)
+            w->far[j] = far[w->number[j]];
+        convex_cast(csg, w);
+        s->s->counts.csg_tests += (unsigned)w->n;
+        for (int j = 0; j < w->n; j++) {
+            int i = w->number[j];
+            if (w->part[j] == CONVEX_UNKNOWN)
+                continue;
+            if (w->part[j] == CONVEX_NOTHING) {
+                may[i] &= ~((uint64_t)1 << k);
+            } else if (is_opaque(s, &s->plan->leaf[csg->part[w->part[j]].leaf])) {
+                may[i] = 0;
+                close_lane(open, i);
+            }
+        }
+    }
+}
+
+static void close_by_rest(const struct plan *p, struct scratch *s, const struct few *few,
+                          uint32_t things, const struct rays *r, const double *far,
+                          struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    struct meeting by;
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
+                             .best = &by };
+    uint64_t may[PACKET];
+    uint32_t last = 0;
+
+    volley_aim(s, few, things, far, open, may);
+    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
+        if (things >> k & 1)
+            blocked_by_convex(&search, few, k, r, far, may, open);
+    for (int i = 0; i < v->rays.n; i++) {
+        if (!may[i])
+            continue;
+        search.ray = packet_ray(&v->rays, i);
+        search.far = far[i];
+        if (one_is_blocked(&search, few, (uint32_t)may[i], &last))
+            close_lane(open, i);
+    }
+}
+
+/* Leaves in open the rays that nothing opaque blocks. */
+static void close_blocked(const struct plan *p, struct scratch *s, const struct choice *c,
+                          const struct rays *r, const double *far, struct lanes_asked *open)
+{
+    uint32_t todo = (uint32_t)c->opaque & s->volley.on_the_way, rest = 0;
+
+    for (; todo; todo &= todo - 1) {
+        int k = __builtin_ctz(todo);
+        if (!hot_leaf(p, c->few->item[k]))
+            rest |= 1u << k;
+        else if (close_many(p, s, c->few, k, far, open))
+            return;
+    }
+    rest = close_by_meshes(p, s, c->few, rest, far, open);
+    if (rest)
+        close_by_rest(p, s, c->few, rest, r, far, open);
+}
+
+/* ---- what light passes through, found ahead ---- */
+
+static bool is_filter(const struct plan *p, const struct leaf *l)
+{
+    return (l->mask & RAY_SHADOW) && !p->surface[l->surface].is_opaque;
+}
+
+/* Into the list that begins at first, in the order of geometry_crossings. */
+static void keep_ahead(const struct plan *p, struct scratch *s, uint32_t *first,
+                       const struct hit *h, uint32_t leaf)
+{
+    uint32_t *link = first;
+
+    if (*first == KEPT_TOO_MANY)
+        return;
+    if (s->n_kept == MOST_KEPT) {
+        *first = KEPT_TOO_MANY;
+        return;
+    }
+    while (*link != KEPT_END
+           && !comes_after(&s->kept[*link].m, h, rank_of(NO_INSTANCE, leaf)))
+        link = &s->kept[*link].next;
+    s->kept[s->n_kept] = (struct kept) { { h->t, *h, leaf, NO_INSTANCE, p->leaf[leaf].inverse },
+                                         *link };
+    *link = s->n_kept++;
+}
+
+static void keep_crossings(const struct plan *p, struct scratch *s, uint32_t leaf,
+                           const double *far, uint32_t first[])
+{
+    const struct crossings *c = &s->volley.view.crossings;
+    struct hit hit[2];
+
+    for (int k = 0; k * WIDE < s->volley.rays.n; k++)
+        for (unsigned bits = c->met[k]; bits; bits &= bits - 1) {
+            int i = k * WIDE + __builtin_ctz(bits), n = crossings_at(c, i, hit);
+            for (int j = 0; j < n; j++)
+                if (hit[j].t > 0 && hit[j].t < far[i])
+                    keep_ahead(p, s, &first[i], &hit[j], leaf);
+        }
+}
+
+/* All that the open rays cross of these hot leaves, a list a ray. */
+static void look_ahead(const struct plan *p, struct scratch *s, const struct few *few,
+                       uint32_t things, const double *far, const struct lanes_asked *open,
+                       uint64_t *barrier)
+{
+    uint32_t first[PACKET];
+
+    for (int i = 0; i < s->volley.rays.n; i++)
+        first[i] = KEPT_END;
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = hot_leaf(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (is_filter(p, l) && volley_leaf(s, l, few, k, far, &asked))
+            keep_crossings(p, s, item_number(few->item[k]), far, first);
+    }
+    for (int i = 0; i < s->volley.rays.n; i++)
+        if (first[i] != KEPT_END)
+            barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_CLEAR : BARRIER_KEPT | first[i];
+}
+
+/* Of a mesh hits_many tells the nearest crossing only. */
+static uint32_t all_hot(const struct plan *p, const struct few *few, uint32_t things)
+{
+    uint32_t hot = 0;
+
+    for (; things; things &= things - 1) {
+        const struct leaf *l = hot_leaf(p, few->item[__builtin_ctz(things)]);
+        hot |= l && l->ops ? things & -things : 0;
+    }
+    return hot;
+}
+
+/* The barriers of rays that nothing opaque blocks.  Those that may meet
+ * something that is no hot leaf look at all of it later, ray by ray. */
+static void look_at_clear(const struct plan *p, struct scratch *s, const struct choice *c,
+                          const double *far, struct lanes_asked *open, uint64_t *barrier)
+{
+    uint32_t things = (uint32_t)c->clear & s->volley.on_the_way;
+    uint32_t hot = all_hot(p, c->few, things);
+    struct lanes_asked late = *open;
+    uint64_t may[PACKET];
+
+    if (things != hot) {
+        volley_aim(s, c->few, things & ~hot, far, open, may);
+        for (int i = 0; i < s->volley.rays.n; i++)
+            close_lane(may[i] ? open : &late, i);
+        volley_aim(s, c->few, things, far, &late, may);
+        for (int i = 0; i < s->volley.rays.n; i++)
+            if (may[i])
+                barrier[i] = may[i] | c->list;
+    }
+    if (hot)
+        look_ahead(p, s, c->few, hot, far, open, barrier);
+}
+
+/* ---- all of the choice ---- */
+
+void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
+                       const struct rays *r, const double *far, uint64_t *barrier)
+{
+    struct volley *v = &s->volley;
+
+    volley_start(s, c, r, far);
+    memcpy(v->far, far, (size_t)r->n * sizeof *far);
+    struct lanes_asked open = packet_all(&v->rays);
+    close_blocked(p, s, c, r, v->far, &open);
+    for (int i = 0; i < r->n; i++)
+        barrier[i] = open.bits[i / WIDE] >> i % WIDE & 1 ? 0 : BARRIER_OPAQUE;
+    if (p->has_transparency)
+        look_at_clear(p, s, c, v->far, &open, barrier);
+    s->counts.shadow_rays += (unsigned)r->n;
+}

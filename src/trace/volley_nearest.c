@@ -1,0 +1,189 @@
+/* volley_nearest.c: what the rays of a packet meet first. */
+#include <string.h>
+
+#include "trace/volley.h"
+
+struct lanes_asked lanes_that_see(const struct packet *p, const uint8_t *mask, uint8_t by)
+{
+    struct lanes_asked a = packet_all(p);
+
+    if ((by & RAY_PRIMARY) && (by & RAY_REFLECTED))
+        return a;
+    for (int i = 0; i < p->n; i++)
+        if (!(mask[i] & by))
+            a.bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
+    return a;
+}
+
+/* The crossing at t, which is known to be there. */
+static struct hit leaf_hit_at(const struct leaf *l, struct ray ray, double t)
+{
+    struct hit hit[SHAPE_MOST_HITS];
+    int i = 0;
+
+    l->ops->hits(l->shape, leaf_ray(l, ray), hit);
+    while (hit[i].t != t)
+        i++;
+    return hit[i];
+}
+
+void search_for(struct search *s, const struct rays *r, int i, const uint8_t *mask,
+                struct meeting *out)
+{
+    s->ray = rays_at(r, i);
+    s->mask = mask[i];
+    s->best = &out[i];
+    s->far = out[i].leaf == NO_LEAF ? INFINITY : beyond(out[i].t);
+}
+
+static void take_convex(struct search *s, const struct csg *c, uint32_t part, double t)
+{
+    uint32_t number = c->part[part].leaf;
+    const struct leaf *l = &s->plan->leaf[number];
+
+    if (!(c->mask & s->mask) || !is_better(s, t, number))
+        return;
+    struct hit h = leaf_hit_at(l, s->ray, t);
+    search_take(s, &h, number, l->inverse);
+}
+
+/* CSG of convex solids goes first, many rays at once; where that does not
+ * know, the bit of may stays. */
+static void nearest_of_convex(struct search *s, const struct few *few, uint32_t k,
+                              const struct rays *r, const uint8_t *mask, uint64_t *may,
+                              struct meeting *out)
+{
+    const struct csg *csg = convex_of(s->plan, few->item[k]);
+    struct convex_work *w = s->s->convex;
+
+    for (int at = 0; csg && convex_gather(w, r, may, k, &at);) {
+        for (int j = 0; j < w->n; j++) {
+            search_for(s, r, w->number[j], mask, out);
+            w->far[j] = s->far;
+        }
+        convex_cast(csg, w);
+        s->s->counts.csg_tests += (unsigned)w->n;
+        for (int j = 0; j < w->n; j++) {
+            int i = w->number[j];
+            if (w->part[j] == CONVEX_UNKNOWN)
+                continue;
+            may[i] &= ~((uint64_t)1 << k);
+            if (w->part[j] == CONVEX_NOTHING)
+                continue;
+            search_for(s, r, i, mask, out);
+            take_convex(s, csg, w->part[j], w->t[j]);
+        }
+    }
+}
+
+static void found_get(const struct found *f, int i, struct meeting *out)
+{
+    out->t = out->hit.t = f->t[i];
+    out->hit.slack = f->slack[i];
+    out->hit.u = (float)f->u[i];
+    out->hit.v = (float)f->v[i];
+    out->hit.part = (uint32_t)f->part[i];
+    out->leaf = f->rank[i] == NO_RANK ? NO_LEAF : rank_leaf(f->rank[i]);
+    out->instance = rank_instance(f->rank[i]);
+}
+
+static void found_put(struct found *f, int i, const struct meeting *m)
+{
+    f->t[i] = m->t;
+    f->slack[i] = m->hit.slack;
+    f->u[i] = (double)m->hit.u;
+    f->v[i] = (double)m->hit.v;
+    f->part[i] = m->hit.part;
+    f->rank[i] = rank_of(m->instance, m->leaf);
+}
+
+/* What is no hot leaf: CSG of convex solids first, the rest ray by ray. */
+static void nearest_of_rest(const struct plan *p, struct scratch *s, const struct few *few,
+                            uint32_t things, const struct rays *r, const uint8_t *mask)
+{
+    struct volley *v = &s->volley;
+    struct meeting best[PACKET];
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
+    struct lanes_asked all = packet_all(&v->rays);
+    uint64_t may[PACKET];
+    double far;
+
+    volley_aim(s, few, things, v->found.t, &all, may);
+    for (int i = 0; i < r->n; i++)
+        found_get(&v->found, i, &best[i]);
+    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
+        if (things >> k & 1)
+            nearest_of_convex(&search, few, k, r, mask, may, best);
+    for (int i = 0; i < r->n; i++) {
+        if (may[i]) {
+            search_for(&search, r, i, mask, best);
+            visit_nearest(&search, few->item, (uint32_t)may[i], &far);
+        }
+        if (best[i].leaf != NO_LEAF)
+            found_put(&v->found, i, &best[i]);
+    }
+}
+
+/* Returns those of the things that are no meshes. */
+static uint32_t nearest_of_meshes(const struct plan *p, struct scratch *s, const struct few *few,
+                                  uint32_t things, const uint8_t *mask)
+{
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
+
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = mesh_leaf(p, few->item[k]);
+        if (!l) {
+            rest |= 1u << k;
+            continue;
+        }
+        struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
+        if (volley_mesh(s, l, few, k, v->found.t, false, &asked))
+            found_take(&v->found, &v->rays, &v->view.crossings,
+                       rank_of(NO_INSTANCE, item_number(few->item[k])));
+    }
+    return rest;
+}
+
+void found_meetings(const struct plan *p, const struct found *f, int n,
+                    struct meeting *out)
+{
+    for (int i = 0; i < n; i++) {
+        out[i].leaf = NO_LEAF;
+        if (f->rank[i] == NO_RANK)
+            continue;
+        found_get(f, i, &out[i]);
+        out[i].flipped = p->leaf[out[i].leaf].inverse;
+    }
+}
+
+/* ---- all of the choice ---- */
+
+/* The rest last: by then it need not be looked for far away. */
+void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
+                       const struct rays *r, const uint8_t *mask, struct meeting *out)
+{
+    struct volley *v = &s->volley;
+    uint32_t rest = 0;
+
+    volley_start(s, c, r, NULL);
+    found_start(&v->found, &v->rays, NULL);
+    for (uint32_t todo = v->on_the_way; todo; todo &= todo - 1) {
+        int k = __builtin_ctz(todo);
+        const struct leaf *l = hot_leaf(p, c->few->item[k]);
+        if (!l) {
+            rest |= 1u << k;
+            continue;
+        }
+        struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
+        if (volley_leaf(s, l, c->few, k, v->found.t, &asked))
+            found_take(&v->found, &v->rays, &v->view.crossings,
+                       rank_of(NO_INSTANCE, item_number(c->few->item[k])));
+    }
+    rest = nearest_of_meshes(p, s, c->few, rest, mask);
+    if (rest)
+        nearest_of_rest(p, s, c->few, rest, r, mask);
+    found_meetings(p, &v->found, r->n, out);
+    s->counts.rays += (unsigned)r->n;
+}
