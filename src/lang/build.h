@@ -6,6 +6,8 @@
 #ifndef RTC_BUILD_H
 #define RTC_BUILD_H
 
+#include <string.h>
+
 #include "base/intern.h"
 #include "lang/state.h"
 #include "scene/atmosphere.h"
@@ -76,8 +78,18 @@ bool build_from_table(struct reader *r, const struct field *table, const struct 
 void build_table_block(struct lang *l, const struct item *block, const char *name,
                        const struct field *table, void *thing);
 
-bool item_is(const struct item *i, const char *word);       /* that word, with or without a block */
-bool item_is_block(const struct item *i, const char *word);
+/* That word, with or without a block.  Most are told apart by their first letter. */
+static inline bool item_is(const struct item *i, const char *word)
+{
+    return (i->kind == ITEM_WORD || i->kind == ITEM_BLOCK) && i->word->text[0] == word[0]
+           && strcmp(i->word->text, word) == 0;
+}
+
+static inline bool item_is_block(const struct item *i, const char *word)
+{
+    return i->kind == ITEM_BLOCK && item_is(i, word);
+}
+
 bool item_is_thing(const struct item *i, enum value_type type);    /* a declared thing */
 bool build_flag(struct reader *r);      /* an optional number behind a flag: on unless 0 or less */
 vec3 build_vector(struct reader *r, bool comma, const char *what);

@@ -9,16 +9,6 @@
 
 /* --- items ------------------------------------------------------------------- */
 
-bool item_is(const struct item *i, const char *word)
-{
-    return (i->kind == ITEM_WORD || i->kind == ITEM_BLOCK) && strcmp(i->word->text, word) == 0;
-}
-
-bool item_is_block(const struct item *i, const char *word)
-{
-    return i->kind == ITEM_BLOCK && strcmp(i->word->text, word) == 0;
-}
-
 bool item_is_thing(const struct item *i, enum value_type type)
 {
     return i->kind == ITEM_VALUE && i->value.type == type;
@@ -298,18 +288,17 @@ bool build_transform(struct reader *r, const struct item *i, struct transform *t
 {
     if (i->kind != ITEM_WORD && i->kind != ITEM_BLOCK)
         return false;
-    const char *word = i->word->text;
-    if (strcmp(word, "transform") == 0)
+    if (item_is(i, "transform"))
         *t = read_transform(r, i);
     else if (i->kind == ITEM_BLOCK)
         return false;
-    else if (strcmp(word, "translate") == 0)
-        *t = transform_translate(build_vector(r, false, word));
-    else if (strcmp(word, "rotate") == 0)
-        *t = transform_rotate(build_vector(r, false, word));
-    else if (strcmp(word, "scale") == 0)
+    else if (item_is(i, "translate"))
+        *t = transform_translate(build_vector(r, false, i->word->text));
+    else if (item_is(i, "rotate"))
+        *t = transform_rotate(build_vector(r, false, i->word->text));
+    else if (item_is(i, "scale"))
         *t = read_scale(r);
-    else if (strcmp(word, "matrix") == 0)
+    else if (item_is(i, "matrix"))
         *t = read_matrix(r);
     else
         return false;

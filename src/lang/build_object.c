@@ -14,25 +14,13 @@ struct object *object_start(struct lang *l, enum object_kind kind, struct loc at
 
 /* --- which items are objects ------------------------------------------------------- */
 
-static const struct special_shape *find_special(const char *word)
-{
-    static const struct special_shape *const tables[] = { special_shapes, mesh_shapes, csg_shapes };
-
-    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
-        for (const struct special_shape *s = tables[t]; s->word; s++)
-            if (s->word[0] == word[0] && strcmp(s->word, word) == 0)
-                return s;
-    return NULL;
-}
-
 bool item_is_object(const struct item *i)
 {
     if (i->kind == ITEM_VALUE)
         return i->value.type == VALUE_OBJECT;
     if (i->kind != ITEM_BLOCK)
         return false;
-    return i->word->shape || strcmp(i->word->text, "object") == 0
-           || strcmp(i->word->text, "light_source") == 0 || find_special(i->word->text);
+    return i->word->shape || i->word->special || item_is(i, "object") || item_is(i, "light_source");
 }
 
 struct object *build_object(struct lang *l, const struct item *i)
@@ -47,7 +35,7 @@ struct object *build_object(struct lang *l, const struct item *i)
             copy->name = i->name;
         return copy;
     }
-    if (strcmp(i->word->text, "light_source") == 0)
+    if (item_is(i, "light_source"))
         make_light(l, i, &v);
     else
         make_object(l, i, &v);
@@ -426,9 +414,9 @@ static bool starts_with_object(struct reader *r)
 static struct object *any(struct lang *l, struct reader *r, const struct item *block,
                           unsigned errors)
 {
-    const struct special_shape *special = find_special(block->word->text);
+    const struct special_shape *special = block->word->special;
 
-    if (strcmp(block->word->text, "object") == 0 || starts_with_object(r))
+    if (item_is(block, "object") || starts_with_object(r))
         return wrapped(l, r, block);
     if (special && !(special->until_row && block->word->shape))
         return special->make(l, r, block);

@@ -89,14 +89,6 @@ const struct field *const block_fields[] = {
     scattering_fields, fog_fields, rainbow_fields, sky_sphere_fields, pattern_more_fields, NULL,
 };
 
-static const struct block *find_block(const char *word)
-{
-    for (const struct block *b = blocks; b->word; b++)
-        if (b->word[0] == word[0] && strcmp(b->word, word) == 0)
-            return b;
-    return NULL;
-}
-
 /* Looks that many objects share come again soon; a colour for each of a million
  * objects should not cost a place in a table. */
 enum { MOST_LOOKS = 4096 };
@@ -118,7 +110,7 @@ struct build *build_of(struct lang *l)
 bool build_value(struct lang *l, const struct word *word, const struct item *block,
                  struct value *out)
 {
-    const struct block *b = find_block(word->text);
+    const struct block *b = word->block;
 
     build_of(l);
     if (b && b->makes != VALUE_NONE)
@@ -250,7 +242,7 @@ static void unknown_statement(struct lang *l, const struct item *i)
                                            : "'%s' is not declared, and no statement%s",
                    i->text, guess_text(&g, l));
         guess_note(&g, l);
-    } else if (i->kind == ITEM_WORD && find_block(i->text))
+    } else if (i->kind == ITEM_WORD && i->word->block)
         diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
     else
         diag_error(l->diag, i->at, "%s cannot stand outside of all blocks", item_describe(l, i));
@@ -280,7 +272,7 @@ static bool old_setting(struct lang *l, struct reader *r, const struct item *i)
 
 void build_statement(struct lang *l, struct reader *r, struct item item)
 {
-    const struct block *b = item.kind == ITEM_BLOCK ? find_block(item.word->text) : NULL;
+    const struct block *b = item.kind == ITEM_BLOCK ? item.word->block : NULL;
     struct object *o;
 
     build_of(l);

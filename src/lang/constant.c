@@ -4,18 +4,6 @@
 #include "lang/number.h"
 #include "lang/parsing.h"
 
-char *skip_spaces(char *p)
-{
-    while (*p == ' ' || *p == '\t' || *p == '\n' || *p == '\r')
-        p++;
-    return p;
-}
-
-bool is_letter(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-
 /* A signed number and the place behind it; NULL: something else. */
 static char *number(char *p, double *out)
 {

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <locale.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,12 +36,10 @@ static double slowly(const char *begin, const char *end)
 }
 
 /* Up to 19 digits without overflow; more are left to slowly(). */
-static char *digits(char *p, uint64_t *value, int *n)
+static char *digits(char *p, uint64_t *value)
 {
-    for (; *p >= '0' && *p <= '9'; p++) {
-        *value = *value * 10 + (uint64_t)(*p - '0');
-        *n += *value != 0;
-    }
+    for (unsigned digit; (digit = (unsigned)*p - '0') <= 9; p++)
+        *value = *value * 10 + digit;
     return p;
 }
 
@@ -66,16 +65,17 @@ char *number_scan(char *p, double *out)
 {
     char *begin = p;
     uint64_t mantissa = 0;
-    int n = 0, e = 0;
+    int e = 0;
 
-    p = digits(p, &mantissa, &n);
+    p = digits(p, &mantissa);
     if (*p == '.') {
         char *point = p++;
-        p = digits(p, &mantissa, &n);
+        p = digits(p, &mantissa);
         e = -(int)(p - point - 1);
     }
+    ptrdiff_t n = p - begin;            /* and perhaps a point */
     p = exponent(p, &e);
-    if (n > 18 || mantissa > (uint64_t)1 << 53 || e < -EXACT_POWERS || e > EXACT_POWERS)
+    if (n > 19 || mantissa > (uint64_t)1 << 53 || e < -EXACT_POWERS || e > EXACT_POWERS)
         *out = slowly(begin, p);
     else
         *out = e < 0 ? (double)mantissa / powers[-e] : (double)mantissa * powers[e];

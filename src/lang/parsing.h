@@ -90,8 +90,17 @@ struct parse *parse_start(struct lang *l, uint32_t source);
 /* Numbers, and vectors of numbers with commas between them (constant.c). */
 bool constant_read(char *p, struct constant *out);  /* false: something else, or part of more */
 struct ast *constant_node(struct parse *p, const struct constant *c);
-char *skip_spaces(char *p);
-bool is_letter(char c);
+static inline char *skip_spaces(char *p)
+{
+    while (*p == ' ' || *p == '\t' || *p == '\n' || *p == '\r')
+        p++;
+    return p;
+}
+
+static inline bool is_letter(char c)
+{
+    return ((c | 32) >= 'a' && (c | 32) <= 'z') || c == '_';
+}
 
 /* A word and its { }, if all in them is plain (plain.c); NULL: it is not, or
  * there are none.  begin: of the word; end: behind the braces. */

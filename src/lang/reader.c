@@ -39,7 +39,10 @@ void frame_pop(struct lang *l)
 
 void reader_start(struct reader *r, struct lang *l, const struct ast *list)
 {
-    *r = (struct reader) { .lang = l, .outer = l->reader, .base = l->n_frame };
+    r->lang = l;                /* one by one: clearing all of it took longer than the rest */
+    r->outer = l->reader;
+    r->base = l->n_frame;
+    r->has_item = r->has_node = r->failed = r->unclosed = false;
     r->brace = list->at;
     r->close = list->close;
     l->reader = r;
@@ -321,8 +324,47 @@ struct item reader_next(struct reader *r)
     return r->item;
 }
 
+/* --- plain nodes ------------------------------------------------------------------
+ *
+ * Most of what a large scene says is constants and the commas between them.
+ * They are taken as they stand in the tree, without becoming items. */
+
+/* The node to come, when it is in the list itself; NULL: ask for the item. */
+static const struct ast *plain_node(const struct reader *r)
+{
+    const struct lang *l = r->lang;
+
+    if (r->has_item || l->stopped)
+        return NULL;
+    return r->has_node ? r->node : l->frame[l->n_frame - 1].next;
+}
+
+static void take_plain(struct reader *r)
+{
+    struct frame *f = &r->lang->frame[r->lang->n_frame - 1];
+
+    if (!r->has_node)
+        f->next = f->next->next;
+    r->has_node = false;
+}
+
+/* A constant that is all of a value; NULL: ask for the item. */
+static const struct ast *plain_constant(const struct reader *r)
+{
+    const struct ast *a = plain_node(r);
+
+    if (!a || (a->kind != AST_NUMBER && a->kind != AST_LITERAL))
+        return NULL;
+    const struct ast *next = a->next;
+    return next && (next->kind == AST_COMMA || next->kind == AST_WORD || next->kind == AST_BLOCK)
+           ? a : NULL;
+}
+
 struct loc reader_at(struct reader *r)
 {
+    const struct ast *a = plain_constant(r);
+    if (a)
+        return a->at;
     const struct item *i = reader_peek(r);
 
     return i->at.source ? i->at : r->brace;
@@ -338,6 +380,12 @@ void reader_resume(struct reader *r)
 
 bool reader_skip_comma(struct reader *r)
 {
+    const struct ast *a = plain_node(r);
+
+    if (a && a->kind == AST_COMMA) {
+        take_plain(r);
+        return true;
+    }
     if (reader_peek(r)->kind != ITEM_COMMA)
         return false;
     reader_next(r);
@@ -375,6 +423,8 @@ const char *item_describe(struct lang *l, const struct item *i)
 
 bool reader_is_number(struct reader *r)
 {
+    if (plain_constant(r))
+        return true;
     const struct item *i = reader_peek(r);
 
     return i->kind == ITEM_VALUE && value_is_number(&i->value);
@@ -404,10 +454,23 @@ static void say_wanted(struct reader *r, const char *what)
         diag_note(l->diag, r->brace, "the block begins here");
 }
 
+static bool take_constant(struct reader *r, int n, double *v)
+{
+    const struct ast *a = plain_constant(r);
+
+    if (!a || (a->kind == AST_NUMBER ? n != 1 : n != a->n))
+        return false;
+    memcpy(v, a->kind == AST_NUMBER ? &a->number : a->v, (size_t)n * sizeof *v);
+    take_plain(r);
+    return true;
+}
+
 bool reader_vector(struct reader *r, bool comma, int n, double *v, const char *what)
 {
     if (comma)
         reader_skip_comma(r);
+    if (take_constant(r, n, v))
+        return true;
     const struct item *i = reader_peek(r);
     if (i->kind == ITEM_VALUE && value_components(&i->value, n, v)) {
         reader_next(r);

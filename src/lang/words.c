@@ -197,6 +197,12 @@ static void add_calls(struct lang *l)
     }
 }
 
+static void add_special(struct lang *l, const struct special_shape *s)
+{
+    for (; s->word; s++)
+        add(l, s->word, "")->special = s;
+}
+
 static void add_things(struct lang *l)
 {
     for (const struct shape_ops *const *s = shapes; *s; s++)
@@ -205,6 +211,9 @@ static void add_things(struct lang *l)
         add(l, (*p)->name, (*p)->help)->pattern = *p;
     for (const struct block *b = blocks; b->word; b++)
         add(l, b->word, b->help)->block = b;
+    add_special(l, special_shapes);
+    add_special(l, mesh_shapes);
+    add_special(l, csg_shapes);
 }
 
 static void add_fields(struct lang *l)

@@ -46,6 +46,7 @@ struct word {
     const struct shape_ops *shape;
     const struct pattern_ops *pattern;
     const struct block *block;              /* build.h: what its { } makes */
+    const struct special_shape *special;    /* build.h: a shape that is more than a row */
     const struct field *field;              /* some block's field; only for the help */
 };
 

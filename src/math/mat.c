@@ -4,7 +4,7 @@
 #define IDENTITY { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } }
 
 const mat34 mat_identity = IDENTITY;
-const struct transform transform_identity = { IDENTITY, IDENTITY, true };
+const struct transform transform_identity = { IDENTITY, IDENTITY, true, TRANSFORM_ANY };
 
 mat34 mat_compose(const mat34 *a, const mat34 *b)
 {
@@ -49,18 +49,52 @@ double mat_norm(const mat34 *a)
     return sqrt(sum);
 }
 
+/* What mat_compose would give, less the products with 0 and 1. */
+static struct transform moved(const struct transform *a, const struct transform *b)
+{
+    struct transform c = *b;
+    const double x = a->from.m[0][3], y = a->from.m[1][3], z = a->from.m[2][3];
+
+    for (int i = 0; i < 3; i++) {
+        const double *f = b->from.m[i];
+        c.to.m[i][3] += a->to.m[i][3];
+        c.from.m[i][3] = f[0] * x + f[1] * y + f[2] * z + f[3];
+    }
+    c.form = b->form == TRANSFORM_MOVE ? TRANSFORM_MOVE : TRANSFORM_ANY;
+    return c;
+}
+
+static struct transform stretched(const struct transform *a, const struct transform *b)
+{
+    struct transform c = *b;
+
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            c.to.m[i][j] *= a->to.m[i][i];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            c.from.m[i][j] *= a->from.m[j][j];
+    c.form = b->form == TRANSFORM_STRETCH ? TRANSFORM_STRETCH : TRANSFORM_ANY;
+    return c;
+}
+
 struct transform transform_compose(const struct transform *a, const struct transform *b)
 {
     if (a->is_identity)
         return *b;
     if (b->is_identity)
         return *a;
-    return (struct transform) { mat_compose(&a->to, &b->to), mat_compose(&b->from, &a->from), false };
+    if (a->form == TRANSFORM_MOVE)
+        return moved(a, b);
+    if (a->form == TRANSFORM_STRETCH)
+        return stretched(a, b);
+    return (struct transform) { mat_compose(&a->to, &b->to), mat_compose(&b->from, &a->from),
+                                false, TRANSFORM_ANY };
 }
 
 struct transform transform_inverse(const struct transform *a)
 {
-    return (struct transform) { a->from, a->to, a->is_identity };
+    return (struct transform) { a->from, a->to, a->is_identity, a->form };
 }
 
 struct transform transform_translate(vec3 by)
@@ -68,6 +102,7 @@ struct transform transform_translate(vec3 by)
     struct transform t = transform_identity;
 
     t.is_identity = by.x == 0 && by.y == 0 && by.z == 0;
+    t.form = TRANSFORM_MOVE;
     t.to.m[0][3] = by.x;
     t.to.m[1][3] = by.y;
     t.to.m[2][3] = by.z;
@@ -81,6 +116,7 @@ struct transform transform_scale(vec3 by)
     struct transform t = transform_identity;
 
     t.is_identity = by.x == 1 && by.y == 1 && by.z == 1;
+    t.form = TRANSFORM_STRETCH;
     for (int i = 0; i < 3; i++) {
         t.to.m[i][i] = vec_get(by, i);
         t.from.m[i][i] = 1 / vec_get(by, i);
@@ -91,7 +127,7 @@ struct transform transform_scale(vec3 by)
 /* A rotation's inverse is its transpose. */
 static struct transform orthogonal(const mat34 *to)
 {
-    struct transform t = { *to, mat_identity, false };
+    struct transform t = { *to, mat_identity, false, TRANSFORM_ANY };
 
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -115,31 +151,32 @@ static void sine_cosine(double degrees, double *s, double *c)
     *c = cos(degrees * (M_PI / 180));
 }
 
-static struct transform rotate_in_plane(int i, int j, double degrees)
+/* Turns the rows of a rotation in the plane of the axes i and j. */
+static void turn_rows(mat34 *to, int i, int j, double degrees)
 {
-    mat34 to = mat_identity;
     double s, c;
 
     sine_cosine(degrees, &s, &c);
-    to.m[i][i] = to.m[j][j] = c;
-    to.m[i][j] = -s;
-    to.m[j][i] = s;
-    return orthogonal(&to);
+    for (int k = 0; k < 3; k++) {
+        double a = to->m[i][k], b = to->m[j][k];
+        to->m[i][k] = c * a - s * b;
+        to->m[j][k] = s * a + c * b;
+    }
 }
 
 struct transform transform_rotate(vec3 degrees)
 {
-    struct transform t = transform_identity;
-    const struct { int i, j; double degrees; } turns[] =
-        { { 1, 2, degrees.x }, { 2, 0, degrees.y }, { 0, 1, degrees.z } };
+    mat34 to = mat_identity;
 
-    for (int k = 0; k < 3; k++) {
-        if (turns[k].degrees == 0)
-            continue;
-        struct transform turn = rotate_in_plane(turns[k].i, turns[k].j, turns[k].degrees);
-        t = transform_compose(&turn, &t);
-    }
-    return t;
+    if (degrees.x == 0 && degrees.y == 0 && degrees.z == 0)
+        return transform_identity;
+    if (degrees.x != 0)
+        turn_rows(&to, 1, 2, degrees.x);
+    if (degrees.y != 0)
+        turn_rows(&to, 2, 0, degrees.y);
+    if (degrees.z != 0)
+        turn_rows(&to, 0, 1, degrees.z);
+    return orthogonal(&to);
 }
 
 /* Rodrigues' formula. */

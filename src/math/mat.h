@@ -4,11 +4,14 @@
 #define RTC_MAT_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "math/vec.h"
 
 /* Rows: x' = m[0][0] x + m[0][1] y + m[0][2] z + m[0][3], and so on. */
 typedef struct { double m[3][4]; } mat34;
+
+enum transform_form { TRANSFORM_ANY, TRANSFORM_MOVE, TRANSFORM_STRETCH };
 
 /* A transform and its inverse, composed together so that neither is ever
  * worked out from the other by elimination. */
@@ -16,6 +19,7 @@ struct transform {
     mat34 to;                           /* outer from inner: parent from object */
     mat34 from;                         /* inner from outer */
     bool is_identity;                   /* then nothing needs to be done */
+    uint8_t form;                       /* enum transform_form: of which elements it has no others */
 };
 
 extern const mat34 mat_identity;
