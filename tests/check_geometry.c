@@ -791,6 +791,21 @@ static void same_crossings(const struct plan *p, struct scratch *s, struct ray r
         same_meeting(&some.m[i], &all.m[i]);
 }
 
+/* Where it is enough to count crossings, those of many rays at once are each one's. */
+static void same_tallies(const struct plan *p, struct scratch *s, struct ray ray, double far,
+                         uint64_t barrier)
+{
+    unsigned all[PLAN_TALLIES], some[PLAN_TALLIES] = { 0 };
+
+    if (p->n_tally == 0)
+        return;
+    ck_assert(geometry_tally(p, s, ray, far, 0, BARRIER_CLEAR, all));
+    if (barrier != 0)
+        ck_assert(geometry_tally(p, s, ray, far, 0, barrier, some));
+    for (int k = 0; k < p->n_tally; k++)
+        ck_assert_uint_eq(some[k], all[k]);
+}
+
 static bool stands_between(const struct plan *p, struct scratch *s, struct ray ray, double far,
                            uint64_t barrier)
 {
@@ -819,8 +834,10 @@ static void arrays_meet_what_each_meets(const struct plan *p)
             same_meeting(&many[i], &one);
         bool blocked = geometry_blocked(p, other, rays_at(&r, i), some.far[i], 0);
         ck_assert_int_eq(stands_between(p, s, rays_at(&r, i), some.far[i], barrier[i]), blocked);
-        if (!blocked)
-            same_crossings(p, s, rays_at(&r, i), some.far[i], barrier[i]);
+        if (blocked)
+            continue;
+        same_tallies(p, s, rays_at(&r, i), some.far[i], barrier[i]);
+        same_crossings(p, s, rays_at(&r, i), some.far[i], barrier[i]);
     }
 }
 
@@ -1304,6 +1321,27 @@ static bool tally_one(void *arg, const struct meeting *m)
     return true;
 }
 
+/* They make no beams. */
+static void rays_apart_are_tallied_as_each_is(const struct plan *p, struct scratch *s)
+{
+    static struct some_rays some;
+    uint64_t barrier[SOME_RAYS];
+    struct rays r = make_rays(&some);
+
+    for (int i = 0; i < SOME_RAYS; i++)
+        for (int axis = 0; axis < 3; axis++)
+            some.at[axis][i] = uniform(-3, 3);
+    r.n = 100;
+    geometry_blocked_many(p, s, &r, some.far, 0, barrier);
+    for (int i = 0; i < r.n; i++) {
+        struct ray ray = rays_at(&r, i);
+        bool is_blocked = geometry_blocked(p, s, ray, some.far[i], 0);
+        ck_assert_int_eq(stands_between(p, s, ray, some.far[i], barrier[i]), is_blocked);
+        if (!is_blocked)
+            same_tallies(p, s, ray, some.far[i], barrier[i]);
+    }
+}
+
 START_TEST(test_tallies_are_the_crossings_counted)
 {
     struct texture *look[] = { glass(0.5f), glass(0.25f), glass(0) };
@@ -1332,6 +1370,8 @@ START_TEST(test_tallies_are_the_crossings_counted)
         n_crossed += count[0] > 0 && count[1] > 0;
     }
     ck_assert(n_open > 1000 && n_open < 4500 && n_crossed > 300);
+    for (int i = 0; i < 40; i++)
+        rays_apart_are_tallied_as_each_is(p, s);
 }
 END_TEST
 

@@ -88,8 +88,7 @@ static bool keep_csg(struct search *s, uint32_t number)
 
 static bool keep_instance(struct search *s, uint32_t number);
 
-/* True: opaque, and that was asked. */
-INLINE bool keep_item(struct search *s, uint32_t item)
+bool keep_item(struct search *s, uint32_t item)
 {
     uint32_t number = item_number(item);
 
@@ -152,6 +151,35 @@ static bool search_barrier(struct search *s, const struct space *space, uint32_t
 
 /* ---- counted ---- */
 
+uint32_t scratch_tally(struct scratch *s, int n)
+{
+    uint32_t first = s->n_tallied;
+
+    if (s->plan->n_tally == 0 || first + (uint32_t)n > MOST_TALLIED)
+        return NO_TALLY;
+    memset(s->tallied[first], 0, (size_t)n * sizeof s->tallied[0]);
+    s->n_tallied += (uint32_t)n;
+    return first;
+}
+
+static bool is_tallied(const unsigned count[], int n)
+{
+    unsigned any = 0;
+
+    for (int k = 0; k < n; k++)
+        any |= count[k];
+    return any != 0;
+}
+
+void scratch_tallied(const struct scratch *s, uint32_t first, int n, uint64_t *barrier)
+{
+    for (int i = 0; i < n; i++) {
+        uint32_t row = first + (uint32_t)i;
+        if (barrier[i] == 0 && is_tallied(s->tallied[row], s->plan->n_tally))
+            barrier[i] = BARRIER_TALLIED | row;
+    }
+}
+
 bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, double far,
                     uint32_t light, uint64_t barrier, unsigned count[])
 {
@@ -159,6 +187,10 @@ bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, dou
     struct search search = { .plan = p, .s = s, .ray = ray, .instance = NO_INSTANCE,
                              .mask = RAY_SHADOW, .far = far, .best = &by, .tally = count };
 
+    if (barrier & BARRIER_TALLIED) {
+        memcpy(count, s->tallied[(uint32_t)barrier], (size_t)p->n_tally * sizeof *count);
+        return true;
+    }
     memset(count, 0, (size_t)p->n_tally * sizeof *count);
     if (barrier & BARRIER_KEPT) {
         for (uint32_t i = (uint32_t)barrier; i != KEPT_END; i = s->kept[i].next)
@@ -187,6 +219,8 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
     int64_t after = 0;
     bool more = true;
 
+    if (barrier & BARRIER_TALLIED)
+        barrier = BARRIER_CLEAR;
     if (barrier & BARRIER_KEPT) {
         visit_kept(s, (uint32_t)barrier, visit, arg);
         return true;

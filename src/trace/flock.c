@@ -14,6 +14,7 @@ struct flock {
     double far[STREAM];
     uint64_t *barrier;                  /* of shadow rays */
     struct blocker *last;
+    uint32_t row;                       /* of the first's tallies, or NO_TALLY */
 };
 
 static struct search *turn(struct flock *f, int i)
@@ -25,25 +26,153 @@ static struct search *turn(struct flock *f, int i)
     return s;
 }
 
+/* ---- who comes to a leaf of the tree ---- */
+
+/* A leaf of the world whose shape can say at once where all rays meet it. */
+static const struct leaf *spanned(const struct plan *p, uint32_t item)
+{
+    const struct leaf *l = &p->leaf[item_number(item)];
+    bool is_plain = item_kind(item) == ITEM_LEAF && l->ops && l->ops->spans && !l->placement
+                    && !(l->ops->is_leaky && l->ops->is_leaky(l->shape));
+
+    return is_plain ? l : NULL;
+}
+
+/* The rays that came, in columns, a few more than there are to fill a register. */
+struct arrivals {
+    const uint8_t *ray, *bits;          /* as of stream_visit */
+    int n;
+    double column[6][STREAM], far[STREAM];
+    double enter[STREAM], leave[STREAM];
+};
+
+static void arrive(struct arrivals *a, const struct flock *f, const uint8_t ray[],
+                   const uint8_t bits[], int n)
+{
+    const double *from[] = { f->rays->x, f->rays->y, f->rays->z,
+                             f->rays->dx, f->rays->dy, f->rays->dz };
+
+    a->ray = ray;
+    a->bits = bits;
+    a->n = n;
+    for (int k = 0; k < n || k % WIDE; k++) {
+        int i = ray[k < n ? k : n - 1];
+        for (int c = 0; c < 6; c++)
+            a->column[c][k] = from[c][i];
+        a->far[k] = f->far[i];
+    }
+}
+
+/* Where they enter and leave a leaf. */
+static void arrivals_cut(struct arrivals *a, const struct leaf *l)
+{
+    int n = (a->n + WIDE - 1) / WIDE * WIDE;
+    const struct rays rays = { n, a->column[0], a->column[1], a->column[2],
+                               a->column[3], a->column[4], a->column[5] };
+
+    l->ops->spans(l->shape, &rays, a->enter, a->leave);
+}
+
+static unsigned any_of(const uint8_t bits[], int n)
+{
+    unsigned any = 0;
+
+    for (int k = 0; k < n; k++)
+        any |= bits[k];
+    return any;
+}
+
+/* Gathering rays pays where each asks about some things. */
+static bool is_crowd(const uint8_t bits[], int n)
+{
+    enum { CROWD = 6 };
+    int asks = 0;
+
+    for (int k = 0; k < n; k++)
+        asks += __builtin_popcount(bits[k]);
+    return asks >= CROWD && asks >= 2 * n;
+}
+
 /* ---- the nearest ---- */
+
+/* What of a leaf each ray that came may meet first: a number, or these. */
+enum { MEETS_NONE = 8, MEETS_ANY };
+struct firsts { double t[STREAM]; uint8_t item[STREAM]; };
+
+static void firsts_take(struct firsts *f, const struct arrivals *a, int item)
+{
+    for (int k = 0; k < a->n; k++) {
+        double t = a->enter[k] > 0 ? a->enter[k] : a->leave[k];
+        bool is_asked = a->bits[k] >> item & 1, is_met = t > 0 && t < f->t[k];
+        bool is_open = isnan(t) || (t == f->t[k] && f->item[k] != MEETS_NONE);
+        f->t[k] = is_asked && is_met ? t : f->t[k];
+        f->item[k] = (uint8_t)(!is_asked || f->item[k] == MEETS_ANY ? f->item[k]
+                               : is_open ? MEETS_ANY : is_met ? item : f->item[k]);
+    }
+}
+
+/* The leaves that say at once where all meet them; the rest is returned. */
+static unsigned firsts_find(struct firsts *f, struct arrivals *a, struct flock *flock,
+                            const uint32_t item[])
+{
+    const uint8_t all = RAY_PRIMARY | RAY_REFLECTED;
+    unsigned rest = 0;
+
+    for (unsigned any = any_of(a->bits, a->n); any; any &= any - 1) {
+        int j = __builtin_ctz(any);
+        const struct leaf *l = spanned(flock->search.plan, item[j]);
+        if (!l || (l->mask & all) != all) {
+            rest |= 1u << j;
+            continue;
+        }
+        arrivals_cut(a, l);
+        flock->search.s->counts.leaf_tests += (unsigned)a->n;
+        firsts_take(f, a, j);
+    }
+    return rest;
+}
+
+static void flock_meet(struct flock *f, int i, const uint32_t item[], unsigned bits)
+{
+    double far;
+
+    turn(f, i)->mask = f->mask[i];
+    f->search.best = &f->out[i];
+    visit_nearest(&f->search, item, bits, &far);
+    if (far < f->far[i]) {
+        f->far[i] = far;
+        stream_set_far(f->search.s->stream, i, far);
+    }
+}
+
+static void meet_crowd(struct flock *f, const uint32_t item[], const uint8_t ray[],
+                       const uint8_t bits[], int n)
+{
+    struct arrivals a;
+    struct firsts first;
+
+    arrive(&a, f, ray, bits, n);
+    memcpy(first.t, a.far, (size_t)n * sizeof first.t[0]);
+    memset(first.item, MEETS_NONE, (size_t)n);
+    unsigned rest = firsts_find(&first, &a, f, item);
+    for (int k = 0; k < n; k++) {
+        unsigned one = first.item[k] == MEETS_ANY ? bits[k] : 1u << first.item[k] & 0xff;
+        if (one | (rest & bits[k]))
+            flock_meet(f, ray[k], item, one | (rest & bits[k]));
+    }
+}
 
 static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
 {
     struct flock *f = arg;
-    struct scratch *s = f->search.s;
-    const uint32_t *item = s->plan->geometry->space[0].tree.item + first;
+    const uint32_t *item = f->search.plan->geometry->space[0].tree.item + first;
 
-    for (int k = 0; k < n; k++) {
-        int i = ray[k];
-        double far;
-        turn(f, i)->mask = f->mask[i];
-        f->search.best = &f->out[i];
-        visit_nearest(&f->search, item, bits[k], &far);
-        if (far < f->far[i]) {
-            f->far[i] = far;
-            stream_set_far(s->stream, i, far);
-        }
+    if (is_crowd(bits, n)) {
+        meet_crowd(f, item, ray, bits, n);
+        return;
     }
+    for (int k = 0; k < n; k++)
+        flock_meet(f, ray[k], item, bits[k]);
 }
 
 /* The hot ones of the unbounded, all rays at once: a plane, most often. */
@@ -145,16 +274,6 @@ static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const 
     }
 }
 
-/* A leaf of the world whose shape can say at once where all rays meet it. */
-static const struct leaf *spanned(const struct plan *p, uint32_t item)
-{
-    const struct leaf *l = &p->leaf[item_number(item)];
-    bool is_plain = item_kind(item) == ITEM_LEAF && l->ops && l->ops->spans && !l->placement
-                    && !(l->ops->is_leaky && l->ops->is_leaky(l->shape));
-
-    return is_plain ? l : NULL;
-}
-
 /* All rays against one thing; those that are left to hits() ask it. */
 static void blocked_by_span(struct flock *f, const struct leaf *l, uint32_t item)
 {
@@ -186,41 +305,136 @@ static void blocked_by(struct flock *f, const struct blocker *b)
 /* What stood in the way last time is asked first. */
 static void blocked_ahead(struct flock *f)
 {
-    const struct space *world = &f->search.plan->geometry->space[0];
-
     if (f->last->is_known)
         blocked_by(f, f->last);
+}
+
+static void blocked_by_unbounded(struct flock *f)
+{
+    const struct space *world = &f->search.plan->geometry->space[0];
+
     for (size_t k = 0; k < world->n_unbounded; k++)
         blocked_by(f, &(struct blocker) { world->unbounded[k], NO_INSTANCE, true });
 }
 
+/* ---- what light passes through, counted ---- */
+
+/* One ray against one thing. */
+static void tally_one(struct flock *f, int i, const uint32_t *item)
+{
+    struct search *s = turn(f, i);
+
+    if (f->barrier[i] == BARRIER_OPAQUE)
+        return;
+    s->tally = s->s->tallied[f->row + (uint32_t)i];
+    if (!keep_item(s, *item))
+        return;
+    if (item_kind(*item) != ITEM_INSTANCE)
+        *s->best = (struct meeting) { .leaf = *item, .instance = NO_INSTANCE };
+    *f->last = (struct blocker) { s->best->leaf, s->best->instance, true };
+    block(f, i);
+}
+
+static void tally_cut(struct flock *f, const struct arrivals *a, const struct leaf *l, int item)
+{
+    unsigned (*row)[PLAN_TALLIES] = f->search.s->tallied + f->row;
+    unsigned tally = f->search.plan->surface[l->surface].tally;
+
+    for (int k = 0; k < a->n; k++) {
+        bool enters = a->enter[k] > 0 && a->enter[k] < a->far[k];
+        bool leaves = a->leave[k] > 0 && a->leave[k] < a->far[k];
+        unsigned is_asked = a->bits[k] >> item & 1;
+        row[a->ray[k]][tally] += is_asked * ((unsigned)enters + leaves);
+    }
+}
+
+static void tally_leaf(struct flock *f, struct arrivals *a, const struct leaf *l, int k,
+                       const uint32_t *item)
+{
+    arrivals_cut(a, l);
+    tally_cut(f, a, l, k);
+    for (int i = 0; i < a->n; i++)
+        if (isnan(a->enter[i]) && a->bits[i] >> k & 1)
+            tally_one(f, a->ray[i], item);
+}
+
+static void tally_crowd(struct flock *f, const uint32_t item[], const uint8_t ray[],
+                        const uint8_t bits[], int n)
+{
+    struct arrivals a;
+
+    arrive(&a, f, ray, bits, n);
+    f->search.s->counts.leaf_tests += (unsigned)n;
+    for (unsigned any = any_of(bits, n); any; any &= any - 1) {
+        int j = __builtin_ctz(any);
+        const struct leaf *l = spanned(f->search.plan, item[j]);
+        bool is_filter = l && !is_opaque(&f->search, l) && (l->mask & RAY_SHADOW);
+        if (is_filter)
+            tally_leaf(f, &a, l, j, item + j);
+        for (int k = 0; !is_filter && k < n; k++)
+            if (bits[k] >> j & 1)
+                tally_one(f, ray[k], item + j);
+    }
+}
+
+static void flock_tallied(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+{
+    struct flock *f = arg;
+
+    tally_crowd(f, f->search.plan->geometry->space[0].tree.item + first, ray, bits, n);
+}
+
+static void tally_unbounded(struct flock *f)
+{
+    const struct space *world = &f->search.plan->geometry->space[0];
+    uint8_t ray[STREAM], bits[STREAM];
+
+    for (int i = 0; i < f->rays->n; i++) {
+        ray[i] = (uint8_t)i;
+        bits[i] = 1;
+    }
+    for (size_t k = 0; k < world->n_unbounded; k++)
+        tally_crowd(f, world->unbounded + k, ray, bits, f->rays->n);
+}
+
+/* ---- shadow rays ---- */
+
 static void blocked_by_stream(const struct plan *p, struct scratch *s, const struct rays *r,
-                              const double *far, struct blocker *last, uint64_t *barrier)
+                              const double *far, uint32_t row, struct blocker *last,
+                              uint64_t *barrier)
 {
     const struct bvh *tree = &p->geometry->space[0].tree;
+    bool is_tally = row != NO_TALLY;
     struct meeting by;
     struct flock f = { .search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
-                                   .best = &by },
-                       .rays = r, .barrier = barrier, .last = last };
+                                   .best = &by, .asks_opaque = is_tally },
+                       .rays = r, .barrier = barrier, .last = last, .row = row };
 
     s->counts.shadow_rays += (unsigned)r->n;
     memcpy(f.far, far, (size_t)r->n * sizeof *far);
     memset(barrier, 0, (size_t)r->n * sizeof *barrier);
     stream_aim(s->stream, tree, r, far);
     blocked_ahead(&f);
-    stream_walk(s->stream, tree, false, flock_blocked, &f, &s->counts.box_tests);
+    (is_tally ? tally_unbounded : blocked_by_unbounded)(&f);
+    stream_walk(s->stream, tree, false, is_tally ? flock_tallied : flock_blocked, &f,
+                &s->counts.box_tests);
+    if (is_tally)
+        scratch_tallied(s, row, r->n, barrier);
 }
 
-/* Where light may be filtered, all is asked at once, later. */
+/* Where what filters light cannot be counted, all is asked at once, later. */
 void blocked_by_streams(const struct plan *p, struct scratch *s, const struct rays *rays,
                         const double *far, struct blocker *last, uint64_t *barrier)
 {
+    uint32_t row = p->has_transparency ? scratch_tally(s, rays->n) : NO_TALLY;
+
     for (int i = 0; i < rays->n && p->has_transparency; i++)
         barrier[i] = BARRIER_ANY;
-    if (p->has_transparency)
+    if (p->has_transparency && row == NO_TALLY)
         return;
     for (int at = 0; at < rays->n; at += STREAM) {
         struct rays some = rays_from(rays, at, STREAM);
-        blocked_by_stream(p, s, &some, far + at, last, barrier + at);
+        uint32_t first = row == NO_TALLY ? NO_TALLY : row + (uint32_t)at;
+        blocked_by_stream(p, s, &some, far + at, first, last, barrier + at);
     }
 }

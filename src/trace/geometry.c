@@ -193,7 +193,7 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
     const struct space *world = &p->geometry->space[0];
     struct blocker none, *last = last_blocker(s, light, &none);
 
-    s->n_kept = 0;
+    s->n_kept = s->n_tallied = 0;
     if (world->few)
         blocked_by_few(p, s, rays, far, barrier);
     else if (world->candidate)

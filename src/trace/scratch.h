@@ -28,6 +28,12 @@ struct kept { struct meeting m; uint32_t next; };
 /* A barrier that is a list of them: its first's number below. */
 #define BARRIER_KEPT ((uint64_t)1 << 61)
 
+/* How often each of some rays crosses each of the plan's tallies. */
+enum { MOST_TALLIED = BATCH };
+
+/* A barrier that is such a row: its number below. */
+#define BARRIER_TALLIED ((uint64_t)1 << 60)
+
 /* A packet of rays on its way through the choice. */
 struct volley {
     struct packet rays;
@@ -53,9 +59,18 @@ struct scratch {
     int n_list;
     struct kept kept[MOST_KEPT];
     uint32_t n_kept;
+    unsigned tallied[MOST_TALLIED][PLAN_TALLIES];
+    uint32_t n_tallied;
     struct volley volley;
     struct meeting crossing[MOST_CROSSINGS];
 };
+
+/* Rows for n rays, all 0: the first one's number, or NO_TALLY: there is no room. */
+#define NO_TALLY UINT32_MAX
+uint32_t scratch_tally(struct scratch *s, int n);
+
+/* The barriers of the rays of these rows, unless they are blocked. */
+void scratch_tallied(const struct scratch *s, uint32_t first, int n, uint64_t *barrier);
 
 /* What stood in the light's way last time; none: for a light that has no place
  * of its own. */

@@ -132,6 +132,10 @@ INLINE bool visit_nearest(void *arg, const uint32_t item[], uint32_t bits, doubl
     return false;
 }
 
+/* Tallies what light passes through of an item, or keeps it.  True: it is
+ * opaque, and that was asked. */
+bool keep_item(struct search *s, uint32_t item);
+
 /* ---- the order of meetings ---- */
 
 INLINE bool comes_after(const struct meeting *m, const struct hit *h, int64_t rank)

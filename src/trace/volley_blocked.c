@@ -194,6 +194,36 @@ static void look_ahead(const struct plan *p, struct scratch *s, const struct few
             barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_CLEAR : BARRIER_KEPT | first[i];
 }
 
+/* The same where it is enough to count. */
+static void tally_crossings(struct scratch *s, uint32_t tally, const double *far, uint32_t row)
+{
+    const struct crossings *c = &s->volley.view.crossings;
+
+    for (int at = 0, k = 0; at < s->volley.rays.n; at += WIDE, k++) {
+        wide limit = wide_load(far + at);
+        for (int i = 0; c->met[k] && i < c->most; i++) {
+            wide t = wide_load(c->t[i] + at);
+            wide_mask is_between = wide_below(wide_of(0), t) & wide_below(t, limit);
+            for (unsigned bits = wide_bits(is_between) & c->met[k]; bits; bits &= bits - 1)
+                s->tallied[row + (uint32_t)(at + __builtin_ctz(bits))][tally]++;
+        }
+    }
+}
+
+static void tally_ahead(const struct plan *p, struct scratch *s, const struct few *few,
+                        uint32_t things, const double *far, const struct lanes_asked *open,
+                        uint32_t row, uint64_t *barrier)
+{
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct leaf *l = hot_leaf(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (is_filter(p, l) && volley_leaf(s, l, few, k, far, &asked))
+            tally_crossings(s, p->surface[l->surface].tally, far, row);
+    }
+    scratch_tallied(s, row, s->volley.rays.n, barrier);
+}
+
 /* Of a mesh hits_many tells the nearest crossing only. */
 static uint32_t all_hot(const struct plan *p, const struct few *few, uint32_t things)
 {
@@ -225,7 +255,10 @@ static void look_at_clear(const struct plan *p, struct scratch *s, const struct 
             if (may[i])
                 barrier[i] = may[i] | c->list;
     }
-    if (hot)
+    uint32_t row = hot ? scratch_tally(s, s->volley.rays.n) : NO_TALLY;
+    if (row != NO_TALLY)
+        tally_ahead(p, s, c->few, hot, far, open, row, barrier);
+    else if (hot)
         look_ahead(p, s, c->few, hot, far, open, barrier);
 }
 
