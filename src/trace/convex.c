@@ -38,22 +38,42 @@ struct convex *convex_new(const struct csg *c, struct arena *mem)
 
 static int filled_up(int n) { return (n + 7) & ~7; }
 
-bool convex_gather(struct convex_work *w, const struct rays *r, const uint64_t choice[],
-                   uint32_t bit, int *at)
+static void gather_lane(struct convex_work *w, const struct packet *p, int i)
 {
-    const double *from[] = { r->x, r->y, r->z, r->dx, r->dy, r->dz };
-    int n = 0, i = *at;
-
-    for (; i < r->n && n < CONVEX_RAYS; i++) {
-        w->number[n] = i;
-        n += (int)(choice[i] >> bit & 1);
+    for (int axis = 0; axis < 3; axis++) {
+        w->ray[axis][w->n] = p->o[axis][i];
+        w->ray[3 + axis][w->n] = p->d[axis][i];
     }
-    for (int k = 0; k < 6; k++)
-        for (int j = 0; j < n; j++)
-            w->ray[k][j] = from[k][w->number[j]];
-    w->n = n;
+    w->number[w->n++] = i;
+}
+
+static void gather_register(struct convex_work *w, const struct packet *p, int at)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        wide_store(w->ray[axis] + w->n, wide_load(p->o[axis] + at));
+        wide_store(w->ray[3 + axis] + w->n, wide_load(p->d[axis] + at));
+    }
+    for (int i = 0; i < WIDE; i++)
+        w->number[w->n + i] = at + i;
+    w->n += WIDE;
+}
+
+bool convex_gather(struct convex_work *w, const struct packet *p, const struct lanes_asked *asked,
+                   int *at)
+{
+    int i = *at;
+
+    w->n = 0;
+    for (; i < p->n && w->n + WIDE <= CONVEX_RAYS; i += WIDE) {
+        unsigned bits = asked->bits[i / WIDE];
+        if (bits == (1u << WIDE) - 1)
+            gather_register(w, p, i);
+        else
+            for (; bits; bits &= bits - 1)
+                gather_lane(w, p, i + __builtin_ctz(bits));
+    }
     *at = i;
-    return n > 0;
+    return w->n > 0;
 }
 
 KERNEL static void place_rays(const mat34 *from, int n, const convex_row *restrict ray,

@@ -10,6 +10,7 @@
 #define RTC_CONVEX_H
 
 #include "trace/csg.h"
+#include "trace/many.h"
 
 enum { CONVEX_RAYS = 64, CONVEX_PARTS = 16 };
 
@@ -38,9 +39,9 @@ struct convex_work {
 /* NULL: this root is not one of them. */
 struct convex *convex_new(const struct csg *c, struct arena *mem);
 
-/* Takes the next rays, from *at on, in whose choice the bit is set. */
-bool convex_gather(struct convex_work *w, const struct rays *r, const uint64_t choice[],
-                   uint32_t bit, int *at);
+/* Takes the next of the asked rays, from *at on. */
+bool convex_gather(struct convex_work *w, const struct packet *p, const struct lanes_asked *asked,
+                   int *at);
 
 /* Finds t and part; w->far is the caller's to fill. */
 void convex_cast(const struct csg *c, struct convex_work *w);

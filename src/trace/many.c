@@ -34,6 +34,13 @@ bool lanes_any(const struct lanes_asked *a, const struct packet *p)
     return any;
 }
 
+void lanes_note(const struct lanes_asked *a, const struct packet *p, int k, uint64_t of[])
+{
+    for (int at = 0, n = 0; at < p->n; at += WIDE, n++)
+        for (unsigned bits = a->bits[n]; bits; bits &= bits - 1)
+            of[at + __builtin_ctz(bits)] |= (uint64_t)1 << k;
+}
+
 /* ---- the leaf ---- */
 
 bool leaf_takes_many(const struct leaf *l)

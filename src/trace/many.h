@@ -28,6 +28,15 @@ void packet_fill(struct packet *p, const struct rays *r);       /* r->n <= PACKE
 struct lanes_asked packet_all(const struct packet *p);
 bool lanes_any(const struct lanes_asked *a, const struct packet *p);
 
+INLINE bool lanes_has(const struct lanes_asked *a, int i) { return a->bits[i / WIDE] >> i % WIDE & 1; }
+INLINE void lanes_drop(struct lanes_asked *a, int i)
+{
+    a->bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
+}
+
+/* Sets bit k of of[i] for each ray i. */
+void lanes_note(const struct lanes_asked *a, const struct packet *p, int k, uint64_t of[]);
+
 /* Room for a leaf's own way of looking at a packet. */
 struct leaf_view { struct packet placed; struct crossings crossings; };
 

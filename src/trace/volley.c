@@ -44,7 +44,7 @@ bool volley_mesh(struct scratch *s, const struct leaf *l, const struct few *few,
     if (!volley_meets(v, few, k, far, asked))
         return false;
     for (int i = 0; i < v->rays.n; i++) {
-        bool is_asked = asked->bits[i / WIDE] >> i % WIDE & 1;
+        bool is_asked = lanes_has(asked, i);
         until[i] = !is_asked ? -1 : is_any ? far[i] : beyond(far[i]);
         s->counts.leaf_tests += is_asked;
     }
@@ -83,9 +83,7 @@ void volley_aim(struct scratch *s, const struct few *few, uint32_t things,
     for (; things; things &= things - 1) {
         int k = __builtin_ctz(things);
         struct lanes_asked meets = *asked;
-        if (!volley_meets(v, few, k, far, &meets))
-            continue;
-        for (int i = 0; i < v->rays.n; i++)
-            may[i] |= (uint64_t)(meets.bits[i / WIDE] >> i % WIDE & 1) << k;
+        if (volley_meets(v, few, k, far, &meets))
+            lanes_note(&meets, &v->rays, k, may);
     }
 }

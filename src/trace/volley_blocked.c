@@ -56,66 +56,71 @@ static bool one_is_blocked(struct search *s, const struct few *few, uint32_t may
     return false;
 }
 
-static void close_lane(struct lanes_asked *open, int i)
+/* Leaves in asked the rays for which this does not know; takes out of open
+ * those that are blocked. */
+static void close_by_convex(const struct plan *p, struct scratch *s, const struct csg *csg,
+                            const double *far, struct lanes_asked *asked, struct lanes_asked *open)
 {
-    open->bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
-}
+    struct convex_work *w = s->convex;
 
-/* The same for shadow rays, whose bits go where the way is free. */
-static void blocked_by_convex(struct search *s, const struct few *few, uint32_t k,
-                              const struct rays *r, const double *far, uint64_t *may,
-                              struct lanes_asked *open)
-{
-    const struct csg *csg = convex_of(s->plan, few->item[k]);
-    struct convex_work *w = s->s->convex;
-
-    for (int at = 0; csg && (csg->mask & RAY_SHADOW) && convex_gather(w, r, may, k, &at);) {
+    for (int at = 0; convex_gather(w, &s->volley.rays, asked, &at);) {
         for (int j = 0; j < w->n; j++)
             w->far[j] = far[w->number[j]];
         convex_cast(csg, w);
-        s->s->counts.csg_tests += (unsigned)w->n;
+        s->counts.csg_tests += (unsigned)w->n;
         for (int j = 0; j < w->n; j++) {
-            int i = w->number[j];
-            if (w->part[j] == CONVEX_UNKNOWN)
-                continue;
-            if (w->part[j] == CONVEX_NOTHING) {
-                may[i] &= ~((uint64_t)1 << k);
-            } else if (is_opaque(s, &s->plan->leaf[csg->part[w->part[j]].leaf])) {
-                may[i] = 0;
-                close_lane(open, i);
-            }
+            bool is_met = w->part[j] < CONVEX_UNKNOWN;
+            bool is_blocked = is_met && p->surface[p->leaf[csg->part[w->part[j]].leaf].surface].is_opaque;
+            if (w->part[j] == CONVEX_NOTHING || is_blocked)
+                lanes_drop(asked, w->number[j]);
+            if (is_blocked)
+                lanes_drop(open, w->number[j]);
         }
     }
 }
 
-static void close_by_rest(const struct plan *p, struct scratch *s, const struct few *few,
-                          uint32_t things, const struct rays *r, const double *far,
-                          struct lanes_asked *open)
+static void close_one_by_one(const struct plan *p, struct scratch *s, const struct few *few,
+                             const double *far, const uint64_t may[], struct lanes_asked *open)
 {
     struct volley *v = &s->volley;
     struct meeting by;
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
                              .best = &by };
-    uint64_t may[PACKET];
     uint32_t last = 0;
 
-    volley_aim(s, few, things, far, open, may);
-    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
-        if (things >> k & 1)
-            blocked_by_convex(&search, few, k, r, far, may, open);
     for (int i = 0; i < v->rays.n; i++) {
-        if (!may[i])
+        if (!may[i] || !lanes_has(open, i))
             continue;
         search.ray = packet_ray(&v->rays, i);
         search.far = far[i];
         if (one_is_blocked(&search, few, (uint32_t)may[i], &last))
-            close_lane(open, i);
+            lanes_drop(open, i);
     }
+}
+
+/* CSG of convex solids first, the rest ray by ray. */
+static void close_by_rest(const struct plan *p, struct scratch *s, const struct few *few,
+                          uint32_t things, const double *far, struct lanes_asked *open)
+{
+    struct volley *v = &s->volley;
+    uint64_t may[PACKET] = { 0 };
+
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct csg *csg = convex_of(p, few->item[k]);
+        struct lanes_asked asked = *open;
+        if (!volley_meets(v, few, k, far, &asked) || (csg && !(csg->mask & RAY_SHADOW)))
+            continue;
+        if (csg)
+            close_by_convex(p, s, csg, far, &asked, open);
+        lanes_note(&asked, &v->rays, k, may);
+    }
+    close_one_by_one(p, s, few, far, may, open);
 }
 
 /* Leaves in open the rays that nothing opaque blocks. */
 static void close_blocked(const struct plan *p, struct scratch *s, const struct choice *c,
-                          const struct rays *r, const double *far, struct lanes_asked *open)
+                          const double *far, struct lanes_asked *open)
 {
     uint32_t todo = (uint32_t)c->opaque & s->volley.on_the_way, rest = 0;
 
@@ -128,7 +133,7 @@ static void close_blocked(const struct plan *p, struct scratch *s, const struct 
     }
     rest = close_by_meshes(p, s, c->few, rest, far, open);
     if (rest)
-        close_by_rest(p, s, c->few, rest, r, far, open);
+        close_by_rest(p, s, c->few, rest, far, open);
 }
 
 /* ---- what light passes through, found ahead ---- */
@@ -249,7 +254,7 @@ static void look_at_clear(const struct plan *p, struct scratch *s, const struct 
     if (things != hot) {
         volley_aim(s, c->few, things & ~hot, far, open, may);
         for (int i = 0; i < s->volley.rays.n; i++)
-            close_lane(may[i] ? open : &late, i);
+            lanes_drop(may[i] ? open : &late, i);
         volley_aim(s, c->few, things, far, &late, may);
         for (int i = 0; i < s->volley.rays.n; i++)
             if (may[i])
@@ -272,9 +277,9 @@ void blocked_by_choice(const struct plan *p, struct scratch *s, const struct cho
     volley_start(s, c, r, far);
     memcpy(v->far, far, (size_t)r->n * sizeof *far);
     struct lanes_asked open = packet_all(&v->rays);
-    close_blocked(p, s, c, r, v->far, &open);
+    close_blocked(p, s, c, v->far, &open);
     for (int i = 0; i < r->n; i++)
-        barrier[i] = open.bits[i / WIDE] >> i % WIDE & 1 ? 0 : BARRIER_OPAQUE;
+        barrier[i] = lanes_has(&open, i) ? 0 : BARRIER_OPAQUE;
     if (p->has_transparency)
         look_at_clear(p, s, c, v->far, &open, barrier);
     s->counts.shadow_rays += (unsigned)r->n;

@@ -11,7 +11,7 @@ struct lanes_asked lanes_that_see(const struct packet *p, const uint8_t *mask, u
         return a;
     for (int i = 0; i < p->n; i++)
         if (!(mask[i] & by))
-            a.bits[i / WIDE] &= (uint8_t)~(1 << i % WIDE);
+            lanes_drop(&a, i);
     return a;
 }
 
@@ -36,46 +36,6 @@ void search_for(struct search *s, const struct rays *r, int i, const uint8_t *ma
     s->far = out[i].leaf == NO_LEAF ? INFINITY : beyond(out[i].t);
 }
 
-static void take_convex(struct search *s, const struct csg *c, uint32_t part, double t)
-{
-    uint32_t number = c->part[part].leaf;
-    const struct leaf *l = &s->plan->leaf[number];
-
-    if (!(c->mask & s->mask) || !is_better(s, t, number))
-        return;
-    struct hit h = leaf_hit_at(l, s->ray, t);
-    search_take(s, &h, number, l->inverse);
-}
-
-/* CSG of convex solids goes first, many rays at once; where that does not
- * know, the bit of may stays. */
-static void nearest_of_convex(struct search *s, const struct few *few, uint32_t k,
-                              const struct rays *r, const uint8_t *mask, uint64_t *may,
-                              struct meeting *out)
-{
-    const struct csg *csg = convex_of(s->plan, few->item[k]);
-    struct convex_work *w = s->s->convex;
-
-    for (int at = 0; csg && convex_gather(w, r, may, k, &at);) {
-        for (int j = 0; j < w->n; j++) {
-            search_for(s, r, w->number[j], mask, out);
-            w->far[j] = s->far;
-        }
-        convex_cast(csg, w);
-        s->s->counts.csg_tests += (unsigned)w->n;
-        for (int j = 0; j < w->n; j++) {
-            int i = w->number[j];
-            if (w->part[j] == CONVEX_UNKNOWN)
-                continue;
-            may[i] &= ~((uint64_t)1 << k);
-            if (w->part[j] == CONVEX_NOTHING)
-                continue;
-            search_for(s, r, i, mask, out);
-            take_convex(s, csg, w->part[j], w->t[j]);
-        }
-    }
-}
-
 static void found_get(const struct found *f, int i, struct meeting *out)
 {
     out->t = out->hit.t = f->t[i];
@@ -97,31 +57,84 @@ static void found_put(struct found *f, int i, const struct meeting *m)
     f->rank[i] = rank_of(m->instance, m->leaf);
 }
 
-/* What is no hot leaf: CSG of convex solids first, the rest ray by ray. */
+/* ---- CSG of convex solids, many rays at once ---- */
+
+static void take_convex(const struct plan *p, struct volley *v, int i, uint32_t number, double t)
+{
+    struct found *f = &v->found;
+    int64_t rank = rank_of(NO_INSTANCE, number);
+
+    if (t > f->t[i] || (t == f->t[i] && rank > f->rank[i]))
+        return;
+    struct hit h = leaf_hit_at(&p->leaf[number], packet_ray(&v->rays, i), t);
+    f->t[i] = t;
+    f->slack[i] = h.slack;
+    f->u[i] = (double)h.u;
+    f->v[i] = (double)h.v;
+    f->part[i] = h.part;
+    f->rank[i] = rank;
+}
+
+/* Leaves in asked the rays for which this does not know. */
+static void nearest_of_convex(const struct plan *p, struct scratch *s, const struct csg *csg,
+                              struct lanes_asked *asked)
+{
+    struct volley *v = &s->volley;
+    struct convex_work *w = s->convex;
+
+    for (int at = 0; convex_gather(w, &v->rays, asked, &at);) {
+        for (int j = 0; j < w->n; j++)
+            w->far[j] = beyond(v->found.t[w->number[j]]);
+        convex_cast(csg, w);
+        s->counts.csg_tests += (unsigned)w->n;
+        for (int j = 0; j < w->n; j++) {
+            if (w->part[j] == CONVEX_UNKNOWN)
+                continue;
+            lanes_drop(asked, w->number[j]);
+            if (w->part[j] != CONVEX_NOTHING)
+                take_convex(p, v, w->number[j], csg->part[w->part[j]].leaf, w->t[j]);
+        }
+    }
+}
+
+/* ---- what is no hot leaf: CSG of convex solids first, the rest ray by ray ---- */
+
+static void nearest_one_by_one(const struct plan *p, struct scratch *s, const struct few *few,
+                               const struct rays *r, const uint8_t *mask, const uint64_t may[])
+{
+    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
+    struct meeting best[PACKET];
+    double far;
+
+    for (int i = 0; i < r->n; i++) {
+        if (!may[i])
+            continue;
+        found_get(&s->volley.found, i, &best[i]);
+        search_for(&search, r, i, mask, best);
+        visit_nearest(&search, few->item, (uint32_t)may[i], &far);
+        if (best[i].leaf != NO_LEAF)
+            found_put(&s->volley.found, i, &best[i]);
+    }
+}
+
 static void nearest_of_rest(const struct plan *p, struct scratch *s, const struct few *few,
                             uint32_t things, const struct rays *r, const uint8_t *mask)
 {
     struct volley *v = &s->volley;
-    struct meeting best[PACKET];
-    struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE };
-    struct lanes_asked all = packet_all(&v->rays);
-    uint64_t may[PACKET];
-    double far;
+    uint64_t may[PACKET] = { 0 };
 
-    volley_aim(s, few, things, v->found.t, &all, may);
-    for (int i = 0; i < r->n; i++)
-        found_get(&v->found, i, &best[i]);
-    for (uint32_t k = 0; k < (uint32_t)few->n; k++)
-        if (things >> k & 1)
-            nearest_of_convex(&search, few, k, r, mask, may, best);
-    for (int i = 0; i < r->n; i++) {
-        if (may[i]) {
-            search_for(&search, r, i, mask, best);
-            visit_nearest(&search, few->item, (uint32_t)may[i], &far);
-        }
-        if (best[i].leaf != NO_LEAF)
-            found_put(&v->found, i, &best[i]);
+    for (; things; things &= things - 1) {
+        int k = __builtin_ctz(things);
+        const struct csg *csg = convex_of(p, few->item[k]);
+        struct lanes_asked asked = csg ? lanes_that_see(&v->rays, mask, csg->mask)
+                                       : packet_all(&v->rays);
+        if (!volley_meets(v, few, k, v->found.t, &asked))
+            continue;
+        if (csg)
+            nearest_of_convex(p, s, csg, &asked);
+        lanes_note(&asked, &v->rays, k, may);
     }
+    nearest_one_by_one(p, s, few, r, mask, may);
 }
 
 /* Returns those of the things that are no meshes. */
