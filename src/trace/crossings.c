@@ -200,6 +200,13 @@ bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, dou
     return !search_barrier(&search, &p->geometry->space[0], light, barrier);
 }
 
+const unsigned *geometry_tallied(const struct scratch *s, uint64_t barrier)
+{
+    bool is_row = barrier != BARRIER_OPAQUE && (barrier & BARRIER_TALLIED);
+
+    return is_row ? s->tallied[(uint32_t)barrier] : NULL;
+}
+
 /* ---- in order ---- */
 
 static void visit_kept(const struct scratch *s, uint32_t first,

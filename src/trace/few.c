@@ -86,12 +86,12 @@ bool few_meet(const struct few *f, int k, const struct packet *p, const struct i
 /* All origins and directions lie between these. */
 struct beam { double o[2][3], d[2][3], far; };
 
+/* v is filled up to a whole register with copies. */
 static void range_of(int n, const double *v, double out[2])
 {
-    wide low = wide_of(v[0]), high = low;
-    int i = 0;
+    wide low = wide_load(v), high = low;
 
-    for (; i + WIDE <= n; i += WIDE) {
+    for (int i = WIDE; i < n; i += WIDE) {
         low = wide_min(wide_load(v + i), low);
         high = wide_max(wide_load(v + i), high);
     }
@@ -100,10 +100,6 @@ static void range_of(int n, const double *v, double out[2])
     for (int k = 1; k < WIDE; k++) {
         out[0] = smaller(low[k], out[0]);
         out[1] = larger(high[k], out[1]);
-    }
-    for (; i < n; i++) {
-        out[0] = smaller(v[i], out[0]);
-        out[1] = larger(v[i], out[1]);
     }
 }
 
@@ -127,40 +123,42 @@ static struct beam beam_of(const struct packet *p, const double *far)
     return b;
 }
 
-/* t * speed <= way, or >= it: what that leaves of begin..end. */
-static void keep_below(double way, double speed, double *begin, double *end)
+/* t * speed <= way: what that leaves of begin..end. */
+INLINE void keep_below(struct slab_walk *w, wide way, double speed)
 {
     if (speed > 0)
-        *end = smaller(*end, way / speed);
+        w->end = wide_min(way / speed, w->end);
     else if (speed < 0)
-        *begin = larger(*begin, way / speed);
-    else if (way < 0)
-        *end = -1;
+        w->begin = wide_max(way / speed, w->begin);
+    else
+        w->end = wide_pick(wide_below(way, wide_of(0)), wide_of(-1), w->end);
 }
 
 /* Is there a time at which, on each axis, the slowest ray has not passed the
- * box and the fastest has reached it? */
-static bool beam_meets(const struct beam *b, const struct few *f, int k)
+ * box and the fastest has reached it?  Of boxes k and those that follow. */
+static uint32_t beam_meets(const struct beam *b, const struct few *f, int k)
 {
     const double loose = 1e-9;          /* far above rounding: this only saves work */
-    double begin = 0, end = b->far;
+    struct slab_walk w = { wide_of(0), wide_of(b->far) };
 
     for (int axis = 0; axis < 3; axis++) {
-        keep_below(f->side[1][axis][k] - b->o[0][axis], b->d[0][axis], &begin, &end);
-        keep_below(b->o[1][axis] - f->side[0][axis][k], -b->d[1][axis], &begin, &end);
+        keep_below(&w, wide_load(&f->side[1][axis][k]) - b->o[0][axis], b->d[0][axis]);
+        keep_below(&w, b->o[1][axis] - wide_load(&f->side[0][axis][k]), -b->d[1][axis]);
     }
-    return !(begin > end + loose * (fabs(begin) + fabs(end)));
+    wide late = w.end + loose * (wide_abs(w.begin) + wide_abs(w.end));
+    return ~wide_bits(wide_below(late, w.begin)) & ((1u << WIDE) - 1);
 }
 
 uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far)
 {
     enum { WORTH_IT = 16 };             /* rays */
+    const uint32_t all = f->n < FEW ? (1u << f->n) - 1 : UINT32_MAX;
     uint32_t may = 0;
 
     if (p->n < WORTH_IT)
-        return f->n < FEW ? (1u << f->n) - 1 : UINT32_MAX;
+        return all;
     struct beam beam = beam_of(p, far);
-    for (int k = 0; k < f->n; k++)
-        may |= (uint32_t)beam_meets(&beam, f, k) << k;
-    return may;
+    for (int k = 0; k < f->n; k += WIDE)
+        may |= beam_meets(&beam, f, k) << k;
+    return may & all;
 }

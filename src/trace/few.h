@@ -24,7 +24,8 @@ void few_add(struct few *f, uint32_t item, const struct bounds *box);   /* n < F
 /* Bit k: the ray may meet item k with 0 <= t < far. */
 uint32_t few_aim(const struct few *f, const struct ray *ray, double far);
 
-/* Bit k: some ray of the packet may meet item k; rough.  far NULL: any t. */
+/* Bit k: some ray of the packet may meet item k; rough.  far NULL: any t;
+ * else filled up as the packet is. */
 uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far);
 
 /* For few_meet: 1/0 is infinite, as it should be. */

@@ -58,6 +58,9 @@ bool geometry_crossings(const struct plan *p, struct scratch *s, struct ray ray,
 bool geometry_tally(const struct plan *p, struct scratch *s, struct ray ray, double far,
                     uint32_t light, uint64_t barrier, unsigned count[]);
 
+/* Those counts where they were found ahead; NULL: they were not. */
+const unsigned *geometry_tallied(const struct scratch *s, uint64_t barrier);
+
 /* Solids with an interior that contain p: their surfaces, in order of
  * declaration.  For cameras inside things. */
 size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint32_t surface[],

@@ -304,23 +304,91 @@ static rgb behind(struct worker *w, const struct shadow_rays *r, int k, uint32_t
     return filtered(w, inside, ray, r->far[k], lamp, r->barrier[k]);
 }
 
+/* ---- rays whose crossings are counted, all at once ---- */
+
+struct counted {
+    int n;
+    uint16_t at[BATCH];
+    float r[BATCH], g[BATCH], b[BATCH];
+    uint32_t count[PLAN_TALLIES][BATCH];
+};
+
+/* As tallied() does: light that is all but gone stays as it is. */
+KERNEL static void filter_once(int n, rgb filter, uint32_t step, const uint32_t *restrict count,
+                               float *restrict r, float *restrict g, float *restrict b)
+{
+    for (int i = 0; i < n; i++) {
+        float most = largerf(r[i], largerf(g[i], b[i]));
+        bool passes = (count[i] > step) & (most > no_light);
+        r[i] = passes ? r[i] * filter.r : r[i];
+        g[i] = passes ? g[i] * filter.g : g[i];
+        b[i] = passes ? b[i] * filter.b : b[i];
+    }
+}
+
+static uint32_t highest(int n, const uint32_t count[])
+{
+    uint32_t most = 0;
+
+    for (int i = 0; i < n; i++)
+        most = count[i] > most ? count[i] : most;
+    return most;
+}
+
+static void filter_counted(const struct plan *p, struct counted *c)
+{
+    for (int i = 0; i < whole(c->n); i++)
+        c->r[i] = c->g[i] = c->b[i] = 1;
+    for (int k = 0; k < p->n_tally; k++) {
+        for (int i = c->n; i < whole(c->n); i++)
+            c->count[k][i] = 0;
+        uint32_t most = highest(c->n, c->count[k]);
+        rgb filter = plain_filter(p->tally[k]);
+        for (uint32_t step = 0; step < most; step++)
+            filter_once(whole(c->n), filter, step, c->count[k], c->r, c->g, c->b);
+    }
+}
+
+static void counted_add(struct counted *c, int n_tally, const unsigned count[], uint16_t at)
+{
+    for (int k = 0; k < n_tally; k++)
+        c->count[k][c->n] = count[k];
+    c->at[c->n++] = at;
+}
+
+static void put_counted(const struct plan *p, struct counted *c, struct lit *out)
+{
+    filter_counted(p, c);
+    for (int k = 0; k < c->n; k++)
+        put(out, c->at[k], rgb_of(c->r[k], c->g[k], c->b[k]));
+}
+
+/* ---- a batch ---- */
+
 static void straight_through(struct worker *w, const struct batch *b, const struct beams *beam,
                              uint32_t lamp, int n, const uint16_t at[], struct lit *out)
 {
     struct shadow_rays *r = &w->shadow_rays;
     const struct rays rays = { n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
+    struct counted counted;             /* large: what is not used stays as it is */
 
     leave(&b->at, beam, r);
     if (n < b->at.n)
         keep_wanted(r, n, at);
     geometry_blocked_many(w->plan, w->scratch, &rays, r->far, lamp, r->barrier);
+    counted.n = 0;
     for (int k = 0; k < n; k++) {
         uint64_t barrier = r->barrier[k];
+        const unsigned *count = barrier == 0 ? NULL : geometry_tallied(w->scratch, barrier);
         float open = barrier == 0 ? 1 : 0;
         put(out, at[k], rgb_of(open, open, open));
-        if (barrier != 0 && barrier != BARRIER_OPAQUE)
+        if (count)
+            counted_add(&counted, w->plan->n_tally, count, at[k]);
+        else if (barrier != 0 && barrier != BARRIER_OPAQUE)
             put(out, at[k], behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
     }
+    if (counted.n)
+        put_counted(w->plan, &counted, out);
 }
 
 static void look(struct worker *w, const struct batch *b, const struct beams *beam, uint32_t lamp,

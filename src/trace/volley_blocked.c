@@ -274,8 +274,10 @@ void blocked_by_choice(const struct plan *p, struct scratch *s, const struct cho
 {
     struct volley *v = &s->volley;
 
-    volley_start(s, c, r, far);
     memcpy(v->far, far, (size_t)r->n * sizeof *far);
+    for (int i = r->n; i % WIDE; i++)
+        v->far[i] = far[r->n - 1];
+    volley_start(s, c, r, v->far);
     struct lanes_asked open = packet_all(&v->rays);
     close_blocked(p, s, c, v->far, &open);
     for (int i = 0; i < r->n; i++)
