@@ -728,7 +728,10 @@ static void add_mixture(int n, bool with_csg)
         case 1:  o = triangle(2, 2); break;
         case 2:  o = moved(mesh_object(four), turned(in_cube(90), in_cube(2))); break;
         case 3:  o = SHAPE("disc", c.x, c.y, c.z, d.x, d.y, d.z, 1); break;
-        case 4:  o = SHAPE("plane", d.x, d.y, d.z, 3); break;
+        case 4:
+            d = below(2) ? d : below(2) ? vec(0, uniform(-2, 2), 0) : vec(uniform(-2, 2), 0, 0);
+            o = SHAPE("plane", d.x, d.y, d.z, uniform(0, 3));
+            break;
         case 5:  o = moved(random_shape(1, 1), turned(in_cube(90), in_cube(2))); break;
         case 6:  o = random_shape(2, 1); break;
         default: o = random_csg(2);

@@ -593,6 +593,28 @@ START_TEST(test_an_open_cone_has_its_wall_alone)
 }
 END_TEST
 
+START_TEST(test_planes_across_an_axis_are_thin)
+{
+    for (int i = 0; i < 300; i++) {
+        const struct shape_ops *ops;
+        double v[4] = { 0, 0, 0, uniform(-3, 3) };
+        v[i % 3] = uniform(-2, 2);
+        void *self = shape_of("plane", v, &ops);
+        struct bounds b = ops->crust(self);
+        ck_assert(vec_get(b.low, i % 3) == vec_get(b.high, i % 3));
+        for (int j = 0; j < 20; j++) {
+            struct ray ray = some_ray(ops, self, 4);
+            struct hit h[SHAPE_MOST_HITS];
+            int n = ops->hits(self, ray, h);
+            vec3 p = ray_at(ray, n ? h[0].t : 0);
+            for (int axis = 0; axis < 3 && n; axis++)
+                ck_assert(vec_get(p, axis) >= vec_get(b.low, axis) - h[0].slack
+                          && vec_get(p, axis) <= vec_get(b.high, axis) + h[0].slack);
+        }
+    }
+}
+END_TEST
+
 START_TEST(test_a_disc_ends_at_its_rim)
 {
     const double v[] = { 0, 0, 0, 0, 1, 0, 1, 0.5 };
@@ -848,6 +870,7 @@ int main(void)
     tcase_add_test(exact, test_a_sphere_of_any_size_is_the_same);
     tcase_add_loop_test(exact, test_a_cone_is_hit_or_missed_rightly, 0, 6);
     tcase_add_test(exact, test_an_open_cone_has_its_wall_alone);
+    tcase_add_test(exact, test_planes_across_an_axis_are_thin);
     tcase_add_test(exact, test_a_disc_ends_at_its_rim);
     tcase_add_test(exact, test_a_box_is_hit_on_its_edges_and_in_its_faces);
     tcase_add_loop_test(exact, test_a_closed_mesh_has_no_gaps_and_no_doubles, 0, 4);

@@ -4,7 +4,11 @@
 #include <math.h>
 #include <stdbool.h>
 
-double poly_at(int degree, const double c[], double x)
+#include "math/kernel.h"
+
+/* Inlined, so that the degrees which are asked for most are loops without end
+ * tests: a torus asks for cubics. */
+INLINE double value_at(int degree, const double c[], double x)
 {
     double y = c[degree];
 
@@ -13,7 +17,9 @@ double poly_at(int degree, const double c[], double x)
     return y;
 }
 
-static double slope_at(int degree, const double c[], double x)
+double poly_at(int degree, const double c[], double x) { return value_at(degree, c, x); }
+
+INLINE double slope_at(int degree, const double c[], double x)
 {
     double y = degree * c[degree];
 
@@ -23,12 +29,12 @@ static double slope_at(int degree, const double c[], double x)
 }
 
 /* The one root between a and b, whose values differ in sign. */
-static double root_between(int degree, const double c[], double a, double b, bool rising)
+INLINE double root_between(int degree, const double c[], double a, double b, bool rising)
 {
     double x = a + (b - a) / 2;
 
     for (int i = 0; i < 200; i++) {
-        double y = poly_at(degree, c, x);
+        double y = value_at(degree, c, x);
         if (y == 0)
             return x;
         if ((y > 0) == rising)
@@ -76,10 +82,39 @@ static int roots_of_parabola(const double c[], double low, double high, double r
     return n;
 }
 
+/* Between the places where the polynomial turns, and the ends; turn has room
+ * for one more. */
+INLINE int roots_between(int degree, const double c[], double low, double high, double turn[],
+                         int n_turn, double root[])
+{
+    double from = low, before = value_at(degree, c, low);
+    int n = 0;
+
+    turn[n_turn++] = high;
+    for (int i = 0; i < n_turn; i++) {
+        double after = value_at(degree, c, turn[i]);
+        if ((before < 0 && after > 0) || (before > 0 && after < 0))
+            root[n++] = root_between(degree, c, from, turn[i], after > 0);
+        if (after != 0) {               /* a zero belongs to the next change of sign */
+            before = after;
+            from = turn[i];
+        }
+    }
+    return n;
+}
+
+static int roots_of_cubic(const double c[], double low, double high, double root[])
+{
+    const double slope[] = { c[1], 2 * c[2], 3 * c[3] };
+    double turn[3];
+    int n = roots_of_parabola(slope, low, high, turn);
+
+    return roots_between(3, c, low, high, turn, n, root);
+}
+
 int poly_roots(int degree, const double c[], double low, double high, double root[])
 {
     double slope[POLY_MOST], turn[POLY_MOST + 1];
-    int n = 0;
 
     while (degree > 0 && c[degree] == 0)
         degree--;
@@ -89,21 +124,11 @@ int poly_roots(int degree, const double c[], double low, double high, double roo
         return roots_of_line(c, low, high, root);
     if (degree == 2)
         return roots_of_parabola(c, low, high, root);
+    if (degree == 3)
+        return roots_of_cubic(c, low, high, root);
 
     for (int i = 1; i <= degree; i++)
         slope[i - 1] = i * c[i];
     int n_turn = poly_roots(degree - 1, slope, low, high, turn);
-    turn[n_turn++] = high;
-
-    double from = low, before = poly_at(degree, c, low);
-    for (int i = 0; i < n_turn; i++) {
-        double after = poly_at(degree, c, turn[i]);
-        if ((before < 0 && after > 0) || (before > 0 && after < 0))
-            root[n++] = root_between(degree, c, from, turn[i], after > 0);
-        if (after != 0) {               /* a zero belongs to the next change of sign */
-            before = after;
-            from = turn[i];
-        }
-    }
-    return n;
+    return roots_between(degree, c, low, high, turn, n_turn, root);
 }

@@ -32,6 +32,23 @@ static struct bounds bounds(const void *self)
     return BOUNDS_ALL;
 }
 
+/* Thin if the normal is an axis: then a ray is at the distance exactly where
+ * that coordinate is. */
+static struct bounds crust(const void *self)
+{
+    const struct plane *s = self;
+    const vec3 n = s->normal;
+    struct bounds b = BOUNDS_ALL;
+
+    if (fabs(n.x) == 1)
+        b.low.x = b.high.x = n.x * s->distance;
+    if (fabs(n.y) == 1)
+        b.low.y = b.high.y = n.y * s->distance;
+    if (fabs(n.z) == 1)
+        b.low.z = b.high.z = n.z * s->distance;
+    return b;
+}
+
 INLINE bool cross(const struct plane *s, struct ray ray, double *t)
 {
     *t = (s->distance - vec_dot(s->normal, ray.origin)) / vec_dot(s->normal, ray.dir);
@@ -120,6 +137,6 @@ const struct shape_ops shape_plane = {
     .name = "plane", .help = "an infinite plane; the side away from its normal is inside",
     .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_infinite = true, .most_hits = 1,
-    .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
+    .prepare = prepare, .bounds = bounds, .crust = crust, .hits = hits, .nearest = nearest, .spans = spans,
     .hits_many = hits_many, .is_quick = true, .starts_inside = starts_inside, .inside = inside, .normal = normal,
 };

@@ -65,6 +65,9 @@ struct shape_ops {
 
     struct bounds (*bounds)(const void *self);
 
+    /* Bounds of the surface alone; NULL: no better ones than bounds(). */
+    struct bounds (*crust)(const void *self);
+
     /* A slanted box that fits better than bounds(): its centre, and the ways
      * from there to three of its faces.  NULL: none does. */
     void (*hold)(const void *self, vec3 *centre, vec3 edge[3]);

@@ -83,8 +83,18 @@ bool few_meet(const struct few *f, int k, const struct packet *p, const struct i
 
 /* ---- which boxes can be met at all by rays that lie close together ---- */
 
-/* All origins and directions lie between these. */
-struct beam { double o[2][3], d[2][3], far; };
+/* All origins, directions and ways up to far lie between these. */
+struct beam { double o[2][3], d[2][3], far, way[2][3]; };
+
+static void range_of_two(wide low, wide high, double out[2])
+{
+    out[0] = low[0];
+    out[1] = high[0];
+    for (int k = 1; k < WIDE; k++) {
+        out[0] = smaller(low[k], out[0]);
+        out[1] = larger(high[k], out[1]);
+    }
+}
 
 /* v is filled up to a whole register with copies. */
 static void range_of(int n, const double *v, double out[2])
@@ -95,12 +105,26 @@ static void range_of(int n, const double *v, double out[2])
         low = wide_min(wide_load(v + i), low);
         high = wide_max(wide_load(v + i), high);
     }
-    out[0] = low[0];
-    out[1] = high[0];
-    for (int k = 1; k < WIDE; k++) {
-        out[0] = smaller(low[k], out[0]);
-        out[1] = larger(high[k], out[1]);
+    range_of_two(low, high, out);
+}
+
+/* Where rays begin or end along an axis, and a little beyond. */
+static void find_way(const struct packet *p, const double *far, int axis, struct beam *b)
+{
+    const double loose = 1e-9;
+    wide low = wide_of(b->o[0][axis]), high = wide_of(b->o[1][axis]);
+    double end[2] = { -INFINITY, INFINITY };
+
+    for (int i = 0; b->far < INFINITY && i < p->n; i += WIDE) {
+        wide at = wide_load(p->o[axis] + i) + wide_load(far + i) * wide_load(p->d[axis] + i);
+        low = wide_min(at, low);
+        high = wide_max(at, high);
     }
+    if (b->far < INFINITY)
+        range_of_two(low, high, end);
+    double size = loose * larger(fabs(end[0]), fabs(end[1]));
+    b->way[0][axis] = end[0] - size;
+    b->way[1][axis] = end[1] + size;
 }
 
 static struct beam beam_of(const struct packet *p, const double *far)
@@ -120,6 +144,8 @@ static struct beam beam_of(const struct packet *p, const double *far)
         range_of(p->n, far, range);
         b.far = range[1];
     }
+    for (int axis = 0; axis < 3; axis++)
+        find_way(p, far, axis, &b);
     return b;
 }
 
@@ -134,19 +160,22 @@ INLINE void keep_below(struct slab_walk *w, wide way, double speed)
         w->end = wide_pick(wide_below(way, wide_of(0)), wide_of(-1), w->end);
 }
 
-/* Is there a time at which, on each axis, the slowest ray has not passed the
- * box and the fastest has reached it?  Of boxes k and those that follow. */
+/* Does the way lead there, and is there a time at which, on each axis, the
+ * slowest ray has not passed the box and the fastest has reached it?  Of boxes k and those that follow. */
 static uint32_t beam_meets(const struct beam *b, const struct few *f, int k)
 {
     const double loose = 1e-9;          /* far above rounding: this only saves work */
     struct slab_walk w = { wide_of(0), wide_of(b->far) };
+    wide_mask beside = wide_mask_of(0);
 
     for (int axis = 0; axis < 3; axis++) {
-        keep_below(&w, wide_load(&f->side[1][axis][k]) - b->o[0][axis], b->d[0][axis]);
-        keep_below(&w, b->o[1][axis] - wide_load(&f->side[0][axis][k]), -b->d[1][axis]);
+        wide low = wide_load(&f->side[0][axis][k]), high = wide_load(&f->side[1][axis][k]);
+        keep_below(&w, high - b->o[0][axis], b->d[0][axis]);
+        keep_below(&w, b->o[1][axis] - low, -b->d[1][axis]);
+        beside |= wide_below(high, wide_of(b->way[0][axis])) | wide_below(wide_of(b->way[1][axis]), low);
     }
     wide late = w.end + loose * (wide_abs(w.begin) + wide_abs(w.end));
-    return ~wide_bits(wide_below(late, w.begin)) & ((1u << WIDE) - 1);
+    return ~wide_bits(wide_below(late, w.begin) | beside) & ((1u << WIDE) - 1);
 }
 
 uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far)

@@ -693,6 +693,8 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
         struct candidate c = candidate_of(b, items->item[i], box);
         s->opaque |= (uint64_t)c.is_opaque << f->n;
         s->clear |= (uint64_t)c.is_clear << f->n;
+        if (item_kind(items->item[i]) == ITEM_LEAF)
+            box = leaf_crust(&b->plan->leaf[item_number(items->item[i])]);
         few_add(f, items->item[i], &box);
     }
     return f;

@@ -30,12 +30,17 @@ struct geometry_counts scratch_counts(const struct scratch *s) { return s->count
  * down the tree as a beam, and what it finds is tried so: one thing after the
  * other, against all of the rays. */
 
+/* Of its surface, where that has bounds on some axis. */
+static struct bounds unbounded_box(const struct plan *p, uint32_t item)
+{
+    return item_kind(item) == ITEM_LEAF ? leaf_crust(&p->leaf[item_number(item)]) : BOUNDS_ALL;
+}
+
 /* What may be met, in c; false: too much.  n: how much it is. */
 static bool beam(const struct space *space, struct scratch *s, const struct rays *r,
                  const double *far, struct choice *c)
 {
     uint32_t place[FEW];
-    const struct bounds everywhere = BOUNDS_ALL;
     int n = space->n_unbounded > FEW ? BEAM_TOO_MUCH
             : beam_walk(&space->tree, r, far, place, FEW - (int)space->n_unbounded,
                         &s->counts.box_tests);
@@ -51,9 +56,10 @@ static bool beam(const struct space *space, struct scratch *s, const struct rays
         few_add(&s->beam, space->tree.item[place[i]], &one->bounds);
     }
     for (size_t i = 0; i < space->n_unbounded; i++) {
+        struct bounds box = unbounded_box(s->plan, space->unbounded[i]);
         c->opaque |= (uint64_t)1 << s->beam.n;
         c->clear |= (uint64_t)1 << s->beam.n;
-        few_add(&s->beam, space->unbounded[i], &everywhere);
+        few_add(&s->beam, space->unbounded[i], &box);
     }
     return true;
 }

@@ -31,3 +31,10 @@ struct bounds leaf_bounds(const struct leaf *l)
     vec3 by = vec(pad, pad, pad);
     return (struct bounds) { vec_sub(b.low, by), vec_add(b.high, by) };
 }
+
+struct bounds leaf_crust(const struct leaf *l)
+{
+    bool has_own = l->ops && l->ops->crust && !l->placement;
+
+    return has_own ? l->ops->crust(l->shape) : leaf_bounds(l);
+}

@@ -82,5 +82,6 @@ INLINE double leaf_slack(const struct leaf *l, struct ray ray, const struct hit 
 vec3 leaf_normal(const struct leaf *l, struct ray ray, const struct hit *h);
 bool leaf_inside(const struct leaf *l, vec3 p);         /* inverse is taken into account */
 struct bounds leaf_bounds(const struct leaf *l);        /* in the leaf's outer space, padded */
+struct bounds leaf_crust(const struct leaf *l);         /* the same of its surface alone */
 
 #endif
