@@ -44,6 +44,7 @@ struct arrivals {
     int n;
     double column[6][STREAM], far[STREAM];
     double enter[STREAM], leave[STREAM];
+    int64_t asks[STREAM];               /* bits again, 0 behind the last */
 };
 
 static void arrive(struct arrivals *a, const struct flock *f, const uint8_t ray[],
@@ -60,7 +61,14 @@ static void arrive(struct arrivals *a, const struct flock *f, const uint8_t ray[
         for (int c = 0; c < 6; c++)
             a->column[c][k] = from[c][i];
         a->far[k] = f->far[i];
+        a->asks[k] = k < n ? bits[k] : 0;
     }
+}
+
+/* Of a register of rays: which ask about a leaf's item. */
+INLINE wide_mask arrivals_ask(const struct arrivals *a, int k, int item)
+{
+    return wide_ints_below(wide_ints_of(0), wide_load_ints(a->asks + k) & wide_ints_of(1 << item));
 }
 
 /* Where they enter and leave a leaf. */
@@ -97,17 +105,33 @@ static bool is_crowd(const uint8_t bits[], int n)
 
 /* What of a leaf each ray that came may meet first: a number, or these. */
 enum { MEETS_NONE = 8, MEETS_ANY };
-struct firsts { double t[STREAM]; uint8_t item[STREAM]; };
+struct firsts { double t[STREAM]; int64_t item[STREAM]; };
 
+static void firsts_start(struct firsts *f, const struct arrivals *a)
+{
+    for (int k = 0; k < a->n; k += WIDE) {
+        wide_store(f->t + k, wide_load(a->far + k));
+        wide_store_ints(f->item + k, wide_ints_of(MEETS_NONE));
+    }
+}
+
+/* Meetings at the same t, and rays left to hits(), are looked at one by one. */
 static void firsts_take(struct firsts *f, const struct arrivals *a, int item)
 {
-    for (int k = 0; k < a->n; k++) {
-        double t = a->enter[k] > 0 ? a->enter[k] : a->leave[k];
-        bool is_asked = a->bits[k] >> item & 1, is_met = t > 0 && t < f->t[k];
-        bool is_open = isnan(t) || (t == f->t[k] && f->item[k] != MEETS_NONE);
-        f->t[k] = is_asked && is_met ? t : f->t[k];
-        f->item[k] = (uint8_t)(!is_asked || f->item[k] == MEETS_ANY ? f->item[k]
-                               : is_open ? MEETS_ANY : is_met ? item : f->item[k]);
+    const wide none = wide_of(0);
+
+    for (int k = 0; k < a->n; k += WIDE) {
+        wide enter = wide_load(a->enter + k), best = wide_load(f->t + k);
+        wide_ints first = wide_load_ints(f->item + k);
+        wide t = wide_pick(wide_below(none, enter), enter, wide_load(a->leave + k));
+        wide_mask is_asked = arrivals_ask(a, k, item);
+        wide_mask is_met = is_asked & wide_below(none, t) & wide_below(t, best);
+        wide_mask is_tie = wide_equal(t, best) & wide_ints_below(first, wide_ints_of(MEETS_NONE));
+        wide_mask is_open = wide_ints_below(wide_ints_of(MEETS_NONE), first)
+                            | (is_asked & (is_tie | wide_not(wide_equal(t, t))));
+        first = wide_pick_ints(is_met, wide_ints_of(item), first);
+        wide_store(f->t + k, wide_pick(is_met, t, best));
+        wide_store_ints(f->item + k, wide_pick_ints(is_open, wide_ints_of(MEETS_ANY), first));
     }
 }
 
@@ -152,8 +176,7 @@ static void meet_crowd(struct flock *f, const uint32_t item[], const uint8_t ray
     struct firsts first;
 
     arrive(&a, f, ray, bits, n);
-    memcpy(first.t, a.far, (size_t)n * sizeof first.t[0]);
-    memset(first.item, MEETS_NONE, (size_t)n);
+    firsts_start(&first, &a);
     unsigned rest = firsts_find(&first, &a, f, item);
     for (int k = 0; k < n; k++) {
         unsigned one = first.item[k] == MEETS_ANY ? bits[k] : 1u << first.item[k] & 0xff;
@@ -335,27 +358,39 @@ static void tally_one(struct flock *f, int i, const uint32_t *item)
     block(f, i);
 }
 
-static void tally_cut(struct flock *f, const struct arrivals *a, const struct leaf *l, int item)
+/* How often each ray crosses the leaf; true: some are left to hits(). */
+static bool count_cuts(const struct arrivals *a, int item, int64_t count[])
+{
+    const wide none = wide_of(0);
+    const wide_ints zero = wide_ints_of(0), one = wide_ints_of(1);
+    uint32_t left = 0;
+
+    for (int k = 0; k < a->n; k += WIDE) {
+        wide enter = wide_load(a->enter + k), leave = wide_load(a->leave + k);
+        wide far = wide_load(a->far + k);
+        wide_mask is_asked = arrivals_ask(a, k, item);
+        wide_mask enters = is_asked & wide_below(none, enter) & wide_below(enter, far);
+        wide_mask leaves = is_asked & wide_below(none, leave) & wide_below(leave, far);
+        wide_store_ints(count + k, wide_pick_ints(enters, one, zero) + wide_pick_ints(leaves, one, zero));
+        left |= wide_bits(is_asked & wide_not(wide_equal(enter, enter)));
+    }
+    return left != 0;
+}
+
+static void tally_leaf(struct flock *f, struct arrivals *a, const struct leaf *l, int item,
+                       const uint32_t *own)
 {
     unsigned (*row)[PLAN_TALLIES] = f->search.s->tallied + f->row;
     unsigned tally = f->search.plan->surface[l->surface].tally;
+    int64_t count[STREAM];
 
-    for (int k = 0; k < a->n; k++) {
-        bool enters = a->enter[k] > 0 && a->enter[k] < a->far[k];
-        bool leaves = a->leave[k] > 0 && a->leave[k] < a->far[k];
-        unsigned is_asked = a->bits[k] >> item & 1;
-        row[a->ray[k]][tally] += is_asked * ((unsigned)enters + leaves);
-    }
-}
-
-static void tally_leaf(struct flock *f, struct arrivals *a, const struct leaf *l, int k,
-                       const uint32_t *item)
-{
     arrivals_cut(a, l);
-    tally_cut(f, a, l, k);
-    for (int i = 0; i < a->n; i++)
-        if (isnan(a->enter[i]) && a->bits[i] >> k & 1)
-            tally_one(f, a->ray[i], item);
+    bool is_left = count_cuts(a, item, count);
+    for (int k = 0; k < a->n; k++)
+        row[a->ray[k]][tally] += (unsigned)count[k];
+    for (int k = 0; k < a->n && is_left; k++)
+        if (isnan(a->enter[k]) && a->bits[k] >> item & 1)
+            tally_one(f, a->ray[k], own);
 }
 
 static void tally_crowd(struct flock *f, const uint32_t item[], const uint8_t ray[],
