@@ -572,6 +572,8 @@ static struct object *make_isosurface(struct lang *l, struct reader *r, const st
     unsigned errors = l->diag->errors;
 
     build_modifiers(r, o, block, read_iso_word, &iso, NULL);
+    reach_to(o, iso.low, 0);
+    reach_to(o, iso.high, 0);
     if (errors == l->diag->errors)
         check_gradient(l, block, &iso);
     return o;

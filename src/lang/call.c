@@ -292,11 +292,7 @@ static void call_trace(struct arguments *a, struct value *out)
         three(place, normal);
 }
 
-/* size: the box's; what is as small as its rounding is 0, and never -0. */
-static double limited(double x, double size)
-{
-    return fabs(x) < size * 1e-12 ? 0 : (double)(float)fmax(-1e10, fmin(1e10, x));
-}
+static double limited(double x) { return fmax(-1e10, fmin(1e10, x)) + 0.0; }
 
 static void call_extent(struct arguments *a, struct value *out)
 {
@@ -308,10 +304,9 @@ static void call_extent(struct arguments *a, struct value *out)
         three(out, image && !low ? vec(image->width, image->height, 0) : vec(0, 0, 0));
         return;
     }
-    struct bounds b = object_bounds(a->v[0].thing);
-    vec3 p = low ? b.low : b.high, size = vec_sub(b.high, b.low);
-    three(out, vec(limited(p.x, size.x) + 0.0, limited(p.y, size.y) + 0.0,
-                   limited(p.z, size.z) + 0.0));
+    struct bounds b = object_extent(a->v[0].thing);
+    vec3 p = low ? b.low : b.high;
+    three(out, vec(limited(p.x), limited(p.y), limited(p.z)));
 }
 
 /* --- the table ------------------------------------------------------------------ */

@@ -248,7 +248,8 @@ static void declare(struct lang *l, const struct ast *node)
         if (node->target->kind != AST_NAME || scope_find(node->target->name))
             return;
         harmless(&v);
-    } else if (!semicolon && value_is_number(&v) && !(l->diag->errors)) {
+    } else if (!semicolon && value_is_number(&v) && !l->diag->errors
+               && l->version >= 350) {      /* older scenes may lack it */
         struct loc end = node->value->last ? node->value->last->at : node->at;
         end.begin = end.end;
         diag_error(l->diag, end, "';' is missing behind this declaration");
@@ -478,8 +479,8 @@ static void start_switch(struct reader *r, const struct ast *node)
 
     if (!evaluate_number(l, node->args, "a number", &x))
         return;
-    for (; a && a->kind != AST_CASE; a = a->next) {
-        if (a->kind < AST_DECLARE) {
+    for (; a && (a->kind != AST_CASE || !a->args); a = a->next) {
+        if (a->kind < AST_DECLARE || a->kind == AST_CASE) {
             diag_error(l->diag, a->at, "#case or #range must follow #switch ( )");
             return;
         }

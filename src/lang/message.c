@@ -34,22 +34,21 @@ static size_t fold(const char *line, size_t n)
     if (n <= LINE_WIDTH)
         return n;
     for (size_t i = LINE_WIDTH; i > LINE_WIDTH - LINE_ROOM; i--)
-        if (line[i] == ' ')
+        if (line[i] == ' ' || line[i] == '\t')
             return i;
     return LINE_WIDTH;
 }
 
-static void print_line(FILE *out, const char *line, size_t n)
+/* Shows what of a line is too long to wait; what is left moves to its start. */
+static void print_full(FILE *out, char *line, size_t *n)
 {
-    while (n > LINE_WIDTH) {
-        size_t part = fold(line, n);
-        fwrite(line, 1, part, out);
-        fputc('\n', out);
-        line += part;
-        n -= part;
+    while (*n > LINE_WIDTH) {
+        size_t part = fold(line, *n);
+        if (out)
+            fprintf(out, "%.*s\n", (int)part, line);
+        *n -= part;
+        memmove(line, line + part, *n);
     }
-    fwrite(line, 1, n, out);
-    fputc('\n', out);
 }
 
 /* Adds to a line that waits, and shows what is complete. */
@@ -58,12 +57,13 @@ static void add(struct lang *l, char **line, size_t *n, size_t *room, const char
 {
     for (; *text; text++) {
         *line = arena_grow(l->mem, *line, *n, room, 1);
-        if (*text != '\n') {
+        if (*text != '\n' && *text != '\r') {
             (*line)[(*n)++] = *text;
+            print_full(out, *line, n);
             continue;
         }
         if (out)
-            print_line(out, *line, *n);
+            fprintf(out, "%.*s\n", (int)*n, *line);
         *n = 0;
     }
 }

@@ -66,6 +66,7 @@ struct parse {
     struct loc declaring;       /* behind #declare, up to its '=' */
     unsigned declaring_at;      /* n_open there */
     unsigned value_at;          /* n_open + 1 in a declaration's value, else 0 */
+    unsigned colour_at;         /* the same behind rgb */
     struct ast *root;
     void (*run)(struct lang *l, const struct ast *statements);      /* NULL: the tree is kept */
     struct arena_mark mark;     /* the tree of the statements that are read begins here */

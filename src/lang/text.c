@@ -10,7 +10,7 @@
 #include "lang/call.h"
 #include "lang/number.h"
 
-enum { NUMBER_ROOM = 400, FORMAT_MOST = 250 };
+enum { NUMBER_ROOM = 400, FORMAT_MOST = 254 };
 
 /* --- characters ---------------------------------------------------------------- */
 
@@ -137,11 +137,12 @@ static int to_int(double x)
     return x > -2147483648.0 && x < 2147483647.0 ? (int)x : 0;
 }
 
-/* %g when the text would be too long, as POV-Ray's buffer has it. */
+/* %g when the text would be too long, as POV-Ray's buffer has it, and what it
+ * says when that is no help. */
 static size_t print_number(char *out, double x, int width, int digits)
 {
     char format[32];
-    int room = abs(width) > FORMAT_MOST ? FORMAT_MOST : abs(width);
+    int room = abs(width) > NUMBER_ROOM ? NUMBER_ROOM : abs(width);
 
     if (digits > FORMAT_MOST)
         digits = FORMAT_MOST;
@@ -151,6 +152,8 @@ static size_t print_number(char *out, double x, int width, int digits)
         : snprintf(out, NUMBER_ROOM, format, room, x);
     if (n > FORMAT_MOST)
         n = snprintf(out, NUMBER_ROOM, "%*g", room, x);
+    if (n > FORMAT_MOST)
+        n = snprintf(out, NUMBER_ROOM, "<invalid>");
     return (size_t)n;
 }
 
@@ -186,7 +189,7 @@ void call_chr(struct arguments *a, struct value *out)
     double x = a->v[0].v[0];
     unsigned code = x >= 0 && x < 65536 ? (unsigned)x : 0;
     char text[4];
-    size_t n = 1;
+    size_t n = code > 0;                /* no text holds a zero */
 
     if (!(x >= 0 && x < 65536))
         diag_error(a->l->diag, a->node->at, "chr takes a code from 0 to 65535, not %g", x);

@@ -112,8 +112,9 @@ void object_move(struct arena *mem, struct object *o, const struct transform *t)
 const struct texture *texture_move(struct arena *mem, const struct texture *layers,
                                    const struct transform *t);
 
-/* In the node's outer space; used by min_extent, max_extent and the plan. */
+/* In the node's outer space. */
 struct bounds object_bounds(const struct object *o);
+struct bounds object_extent(const struct object *o);    /* POV-Ray's, which is looser: extent.c */
 struct bounds object_inner_bounds(const struct object *o);      /* of its shape or children, in inner space */
 struct bounds bounds_move(const struct bounds *b, const struct transform *t);
 bool object_inside(const struct object *o, vec3 p);     /* p in outer space */
