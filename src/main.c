@@ -77,13 +77,18 @@ static bool load_image(struct arena *mem, const char *path, const char *type, st
     return strcmp(type, "png") == 0 && image_read_png(mem, path, 0, out, error);
 }
 
+static bool is_later(const struct options *o, int frame)
+{
+    return o->animation.is_on && frame > frames_of(&o->animation).first;
+}
+
 /* #debug goes to standard error, or to the file of +GD. */
 static bool open_debug(const struct options *o, int frame, FILE **debug)
 {
     *debug = o->no_debug ? NULL : stderr;
     if (!o->debug_file)
         return true;
-    *debug = fopen(o->debug_file, frame > 1 ? "a" : "w");
+    *debug = fopen(o->debug_file, is_later(o, frame) ? "a" : "w");
     return *debug || option_error("+GD: %s: %s", o->debug_file, strerror(errno));
 }
 

@@ -136,6 +136,11 @@ static bool has_extension(const char *path)
 
 static bool set_scene(struct options *o, const char *path)
 {
+    const char *equals = strchr(path, '=');
+
+    if (equals && !exists(path))
+        return option_error("unknown option '%.*s'; rtc(1) lists those of POV-Ray that work",
+                            (int)(equals - path), path);
     if (o->scene && strcmp(o->scene, path) != 0)
         return option_error("one scene at a time: '%s' and '%s'", o->scene, path);
     o->scene = path;

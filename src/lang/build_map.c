@@ -114,11 +114,11 @@ static void read_entry(struct lang *l, const struct item *i, enum value_type typ
 }
 
 static bool finish_map(struct lang *l, const struct item *block, enum value_type type,
-                       const struct entries *e, struct value *out)
+                       const struct entries *e, bool is_wrong, struct value *out)
 {
     struct map map = { type, e->entry, e->n };
 
-    if (e->n == 0)
+    if (e->n == 0 && !is_wrong)
         build_wrong(l, block, "%s needs at least one entry in [ ]", block->text);
     if (e->n > MOST_ENTRIES)
         build_wrong(l, block, "%s has %zu entries; at most %d are allowed", block->text, e->n,
@@ -130,6 +130,7 @@ static bool finish_map(struct lang *l, const struct item *block, enum value_type
 static bool make_map(struct lang *l, const struct item *block, enum value_type type,
                      struct value *out)
 {
+    unsigned errors = l->diag->errors;
     struct entries e = { 0 };
     struct reader r;
 
@@ -139,12 +140,12 @@ static bool make_map(struct lang *l, const struct item *block, enum value_type t
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
         if (i.kind == ITEM_ENTRY && !whole)
             read_entry(l, &i, type, &e, block->text);
-        else
+        else if (errors == l->diag->errors)     /* entries without brackets: said once */
             build_unknown(l, &i, block->text, NULL);
     }
     reader_close(&r);
     if (!whole)
-        return finish_map(l, block, type, &e, out);
+        return finish_map(l, block, type, &e, errors < l->diag->errors, out);
     *out = value_thing(type, whole);
     return true;
 }

@@ -386,6 +386,7 @@ void object_close(struct lang *l, struct object *o, const struct item *block)
 
 static struct object *wrapped(struct lang *l, struct reader *r, const struct item *block)
 {
+    unsigned errors = l->diag->errors;
     struct item first = reader_next(r);
     struct object *o = build_object(l, &first);
 
@@ -394,7 +395,7 @@ static struct object *wrapped(struct lang *l, struct reader *r, const struct ite
             build_wrong(l, block, "this object is empty");
         else if (first.kind == ITEM_NAME)
             diag_error(l->diag, first.at, "no object '%s' is declared", first.text);
-        else
+        else if (errors == l->diag->errors)
             diag_error(l->diag, first.at, "expected an object; found %s", item_describe(l, &first));
         o = object_start(l, OBJECT_UNION, block->at);
     }

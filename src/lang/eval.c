@@ -556,11 +556,13 @@ bool evaluate_number(struct lang *l, const struct ast *list, const char *what, d
 
 bool evaluate_text(struct lang *l, const struct ast *a, const char *what, struct text *out)
 {
+    unsigned errors = l->diag->errors;
     struct value v;
 
     evaluate(l, a, &v);
     if (v.type != VALUE_TEXT) {
-        wrong_type(l, a->at, &v, what);
+        if (errors == l->diag->errors)      /* one mistake, one message */
+            wrong_type(l, a->at, &v, what);
         *out = (struct text) { "", 0 };
         return false;
     }

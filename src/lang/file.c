@@ -20,6 +20,7 @@
 #include "lang/eval.h"
 #include "lang/frame.h"
 #include "lang/number.h"
+#include "lang/parsing.h"
 #include "lang/scope.h"
 
 /* --- which files ------------------------------------------------------------------ */
@@ -467,18 +468,23 @@ static bool read_vector(struct handle *h, struct value *out)
     return true;
 }
 
+/* With the escapes that texts of a scene have. */
 static bool read_text(struct lang *l, struct handle *h, struct value *out)
 {
     char *text = NULL;
     size_t n = 0, room = 0;
+    bool escaped = false;
 
-    for (advance(h); h->next != EOF && h->next != '"'; advance(h)) {
+    for (advance(h); h->next != EOF && (escaped || h->next != '"'); advance(h)) {
         text = arena_grow(l->mem, text, n, &room, 1);
         text[n++] = (char)h->next;
+        escaped = h->next == '\\' && !escaped;
     }
     if (h->next == EOF)
         return false;
     advance(h);
+    if (text && !text_unescape(text, &n))
+        return false;
     *out = value_text(l, text ? text : "", n);
     return true;
 }
@@ -497,21 +503,26 @@ static bool read_one(struct lang *l, struct handle *h, struct value *out)
     return true;
 }
 
-/* A comma must follow an item; without one the next item is lost. */
-static void read_separator(struct lang *l, struct handle *h)
+static bool read_comma(struct handle *h)
+{
+    skip_space(h);
+    if (h->next != ',')
+        return false;
+    advance(h);
+    return true;
+}
+
+/* A comma must follow an item; without one the next item is lost.  True:
+ * there was one, which promises more. */
+static bool read_separator(struct lang *l, struct handle *h)
 {
     struct value lost;
 
-    skip_space(h);
-    if (h->next == ',') {
-        advance(h);
-        return;
-    }
+    if (read_comma(h))
+        return true;
     if (h->next != EOF)
         read_one(l, h, &lost);
-    skip_space(h);
-    if (h->next == ',')
-        advance(h);
+    return read_comma(h);
 }
 
 static void store(struct lang *l, const struct ast *target, const struct value *v)
@@ -530,6 +541,7 @@ void file_read(struct lang *l, const struct ast *node)
     const struct ast *a;
     struct handle *h = named_handle(l, node, &a);
     struct value v;
+    bool is_last = true;
 
     for (; h && a; a = a->next) {
         if (a->kind == AST_COMMA)
@@ -542,6 +554,7 @@ void file_read(struct lang *l, const struct ast *node)
         if (h->next == EOF) {
             diag_warning(l->diag, node->at, "nothing is left to read: '%s' %s", a->name->text,
                          scope_find(a->name) ? "keeps what it was" : "stays undeclared");
+            is_last = true;
             break;
         }
         if (!read_one(l, h, &v)) {
@@ -550,9 +563,9 @@ void file_read(struct lang *l, const struct ast *node)
             return;
         }
         store(l, a, &v);
-        read_separator(l, h);
+        is_last = !read_separator(l, h);
     }
-    if (h && h->next == EOF) {
+    if (h && h->next == EOF && is_last) {
         close_handle(h);
         scope_undef(l, node->args->first->name);
     }

@@ -86,6 +86,7 @@ bool scanner_start(struct parse *p);
 void scanner_end(struct parse *p);
 void scanner_uncover(struct parse *p);      /* makes the text whole until the next token */
 void scanner_dump(struct lang *l, uint32_t source, FILE *out);      /* in parse.y: it names tokens */
+bool text_unescape(char *text, size_t *size);       /* in place; false: no such escape */
 struct parse *parse_start(struct lang *l, uint32_t source);
 
 /* Numbers, and vectors of numbers with commas between them (constant.c). */

@@ -1,0 +1,1 @@
+-W 8 -H 6 Nonsense=3 -o OUT data/good.rt
