@@ -235,6 +235,8 @@ static void fill_packet(const struct shape_ops *ops, const void *self, struct pa
             p->d[axis][i] = v[3 + axis];
         }
     }
+    p->has_inverse = false;
+    packet_prepare(p);
 }
 
 /* Lane i of what hits_many said, as hits() would. */

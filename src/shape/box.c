@@ -130,9 +130,8 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
 /* The same for a register of rays. */
 struct wide_slab { wide enter, leave; wide_mask back; };
 
-INLINE struct wide_slab wide_slab_of(double low, double high, wide origin, wide dir)
+INLINE struct wide_slab wide_slab_of(double low, double high, wide origin, wide inverse)
 {
-    wide inverse = 1 / dir;
     wide_mask back = wide_signs(inverse);
     wide a = (low - origin) * inverse, b = (high - origin) * inverse;
 
@@ -149,9 +148,9 @@ INLINE wide_mask cut_many(const void *self, const struct wide_ray *r, struct wid
 {
     const struct box *s = self;
     vec3 low = s->corner[0], high = s->corner[1];
-    struct wide_slab x = wide_slab_of(low.x, high.x, r->o.x, r->d.x);
-    struct wide_slab y = wide_slab_of(low.y, high.y, r->o.y, r->d.y);
-    struct wide_slab z = wide_slab_of(low.z, high.z, r->o.z, r->d.z);
+    struct wide_slab x = wide_slab_of(low.x, high.x, r->o.x, r->inverse.x);
+    struct wide_slab y = wide_slab_of(low.y, high.y, r->o.y, r->inverse.y);
+    struct wide_slab z = wide_slab_of(low.z, high.z, r->o.z, r->inverse.z);
     wide near = wide_max(z.enter, wide_max(y.enter, wide_max(x.enter, wide_of(-INFINITY))));
     wide far = wide_min(z.leave, wide_min(y.leave, wide_min(x.leave, wide_of(INFINITY))));
     wide_mask met = wide_at_most(near - 8 * ROUNDING * wide_abs(near), far);
@@ -224,5 +223,5 @@ const struct shape_ops shape_box = {
     .size = sizeof(struct box), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .most_hits = 2,
     .prepare = prepare, .bounds = bounds, .hits = hits, .nearest = nearest, .spans = spans,
-    .hits_many = hits_many, .is_quick = true, .inside = inside, .normal = normal, .uv = uv,
+    .hits_many = hits_many, .has_slabs = true, .is_quick = true, .inside = inside, .normal = normal, .uv = uv,
 };

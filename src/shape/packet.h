@@ -13,7 +13,8 @@ enum { PACKET = 128, PACKET_REGISTERS = PACKET / WIDE };
 
 struct packet {
     int n;                              /* rays; columns are filled up to a whole register */
-    _Alignas(64) double o[3][PACKET], d[3][PACKET];
+    bool has_inverse;                   /* packet_prepare() was called */
+    _Alignas(64) double o[3][PACKET], d[3][PACKET], inverse[3][PACKET];     /* the last: 1 / d */
 };
 
 /* The crossings of each ray, as hits() would list them.  A byte of met and of
@@ -29,13 +30,24 @@ struct crossings {
 
 /* One register of rays. */
 struct wide3 { wide x, y, z; };
-struct wide_ray { struct wide3 o, d; };
+struct wide_ray { struct wide3 o, d, inverse; };    /* inverse: of a prepared packet */
 
 INLINE struct wide_ray packet_rays(const struct packet *p, int at)
 {
     return (struct wide_ray) {
         { wide_load(p->o[0] + at), wide_load(p->o[1] + at), wide_load(p->o[2] + at) },
-        { wide_load(p->d[0] + at), wide_load(p->d[1] + at), wide_load(p->d[2] + at) } };
+        { wide_load(p->d[0] + at), wide_load(p->d[1] + at), wide_load(p->d[2] + at) },
+        { wide_load(p->inverse[0] + at), wide_load(p->inverse[1] + at),
+          wide_load(p->inverse[2] + at) } };
+}
+
+/* For what has slabs: 1 / 0 is infinite, as it should be. */
+INLINE void packet_prepare(struct packet *p)
+{
+    for (int axis = 0; axis < 3 && !p->has_inverse; axis++)
+        for (int i = 0; i < p->n; i += WIDE)
+            wide_store(p->inverse[axis] + i, 1 / wide_load(p->d[axis] + i));
+    p->has_inverse = true;
 }
 
 INLINE struct ray packet_ray(const struct packet *p, int i)

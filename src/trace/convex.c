@@ -147,7 +147,7 @@ KERNEL static int64_t leap(int n, const double *restrict near, const double *res
 KERNEL static void shorten(int n, const double *restrict near, double *restrict end)
 {
     for (int i = 0; i < n; i++)
-        end[i] = (near[i] > 0) & (near[i] < end[i]) ? near[i] : end[i];
+        end[i] = ((near[i] > 0) & (near[i] < end[i])) ? near[i] : end[i];
 }
 
 KERNEL static void decide(int n, const double *restrict first, const double *restrict end,

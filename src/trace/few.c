@@ -54,15 +54,7 @@ uint32_t few_aim(const struct few *f, const struct ray *ray, double far)
     return f->n < FEW ? may & ((1u << f->n) - 1) : may;
 }
 
-void few_prepare(const struct packet *p, struct inverses *out)
-{
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < p->n; i += WIDE)
-            wide_store(&out->d[axis][i], 1 / wide_load(&p->d[axis][i]));
-}
-
-bool few_meet(const struct few *f, int k, const struct packet *p, const struct inverses *inverse,
-              const double *far, uint8_t may[])
+bool few_meet(const struct few *f, int k, const struct packet *p, const double *far, uint8_t may[])
 {
     unsigned any = 0;
 
@@ -71,7 +63,7 @@ bool few_meet(const struct few *f, int k, const struct packet *p, const struct i
             continue;
         struct slab_walk w = { wide_of(0), wide_load(far + at) };
         for (int axis = 0; axis < 3; axis++) {
-            wide by = wide_load(&inverse->d[axis][at]), from = wide_load(&p->o[axis][at]);
+            wide by = wide_load(&p->inverse[axis][at]), from = wide_load(&p->o[axis][at]);
             wide low = (f->side[0][axis][k] - from) * by, high = (f->side[1][axis][k] - from) * by;
             wide_mask back = wide_signs(by);
             walk_slab(&w, wide_pick(back, high, low), wide_pick(back, low, high));

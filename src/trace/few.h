@@ -16,7 +16,7 @@ enum { FEW = 32 };                      /* things: a bit each */
 struct few {
     int n;
     uint32_t item[FEW];                 /* as in a tree */
-    double side[2][3][FEW];             /* low and high, padded; infinite for planes */
+    double side[2][3][FEW];             /* low and high, padded; infinite where there is no end */
 };
 
 void few_add(struct few *f, uint32_t item, const struct bounds *box);   /* n < FEW */
@@ -28,13 +28,8 @@ uint32_t few_aim(const struct few *f, const struct ray *ray, double far);
  * else filled up as the packet is. */
 uint32_t few_on_the_way(const struct few *f, const struct packet *p, const double *far);
 
-/* For few_meet: 1/0 is infinite, as it should be. */
-struct inverses { _Alignas(64) double d[3][PACKET]; };
-void few_prepare(const struct packet *p, struct inverses *out);
-
 /* Leaves in may (a byte a register, a bit a lane) the rays that may meet item
- * k with 0 <= t < far[i].  False: none. */
-bool few_meet(const struct few *f, int k, const struct packet *p, const struct inverses *inverse,
-              const double *far, uint8_t may[]);
+ * k with 0 <= t < far[i].  The packet is prepared.  False: none. */
+bool few_meet(const struct few *f, int k, const struct packet *p, const double *far, uint8_t may[]);
 
 #endif

@@ -8,6 +8,7 @@ void packet_fill(struct packet *p, const struct rays *r)
     const double *from[] = { r->x, r->y, r->z, r->dx, r->dy, r->dz };
 
     p->n = r->n;
+    p->has_inverse = false;
     for (int k = 0; k < 6; k++) {
         double *to = k < 3 ? p->o[k] : p->d[k - 3];
         memcpy(to, from[k], (size_t)r->n * sizeof *to);
@@ -65,16 +66,20 @@ INLINE wide row_direction(const double m[4], struct wide3 d)
 }
 
 static void packet_place(const mat34 *m, const struct packet *p, const struct lanes_asked *asked,
-                         struct packet *out)
+                         bool is_prepared, struct packet *out)
 {
     out->n = p->n;
+    out->has_inverse = is_prepared;
     for (int at = 0, k = 0; at < p->n; at += WIDE, k++) {
         if (!asked->bits[k])
             continue;
         struct wide_ray r = packet_rays(p, at);
         for (int axis = 0; axis < 3; axis++) {
             wide_store(out->o[axis] + at, row_point(m->m[axis], r.o));
-            wide_store(out->d[axis] + at, row_direction(m->m[axis], r.d));
+            wide d = row_direction(m->m[axis], r.d);
+            wide_store(out->d[axis] + at, d);
+            if (is_prepared)
+                wide_store(out->inverse[axis] + at, 1 / d);
         }
     }
 }
@@ -114,19 +119,23 @@ static void decide_unsure(const struct leaf *l, const struct packet *p, struct c
         }
 }
 
+static bool has_slabs(const struct leaf *l) { return l->ops && l->ops->has_slabs; }
+
 const struct packet *leaf_packet(const struct leaf *l, const struct packet *p,
                                  const struct lanes_asked *asked, struct leaf_view *view)
 {
     if (!l->placement)
         return p;
-    packet_place(&l->placement->place.from, p, asked, &view->placed);
+    packet_place(&l->placement->place.from, p, asked, has_slabs(l), &view->placed);
     return &view->placed;
 }
 
-void leaf_hits_many(const struct leaf *l, const struct packet *p, const struct lanes_asked *asked,
+void leaf_hits_many(const struct leaf *l, struct packet *rays, const struct lanes_asked *asked,
                     struct leaf_view *view)
 {
-    p = leaf_packet(l, p, asked, view);
+    if (has_slabs(l) && !l->placement)
+        packet_prepare(rays);
+    const struct packet *p = leaf_packet(l, rays, asked, view);
     if (l->ops)
         l->ops->hits_many(l->shape, p, asked->bits, &view->crossings);
     else

@@ -51,7 +51,7 @@ const struct packet *leaf_packet(const struct leaf *l, const struct packet *p,
                                  const struct lanes_asked *asked, struct leaf_view *view);
 
 /* What the leaf says: into view->crossings, none of them unsure. */
-void leaf_hits_many(const struct leaf *l, const struct packet *p, const struct lanes_asked *asked,
+void leaf_hits_many(const struct leaf *l, struct packet *p, const struct lanes_asked *asked,
                     struct leaf_view *view);
 
 /* far NULL: infinite. */

@@ -37,8 +37,6 @@ enum { MOST_TALLIED = BATCH };
 /* A packet of rays on its way through the choice. */
 struct volley {
     struct packet rays;
-    struct inverses inverse;            /* once something asks */
-    bool has_inverse;
     struct found found;
     struct leaf_view view;
     double far[PACKET];

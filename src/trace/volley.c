@@ -7,7 +7,6 @@ void volley_start(struct scratch *s, const struct choice *c, const struct rays *
     struct volley *v = &s->volley;
 
     packet_fill(&v->rays, r);
-    v->has_inverse = false;
     v->on_the_way = few_on_the_way(c->few, &v->rays, far);
     s->counts.box_tests += (unsigned long long)r->n * (unsigned)c->few->n;
 }
@@ -15,10 +14,8 @@ void volley_start(struct scratch *s, const struct choice *c, const struct rays *
 bool volley_meets(struct volley *v, const struct few *few, int k, const double *far,
                   struct lanes_asked *asked)
 {
-    if (!v->has_inverse)
-        few_prepare(&v->rays, &v->inverse);
-    v->has_inverse = true;
-    return few_meet(few, k, &v->rays, &v->inverse, far, asked->bits);
+    packet_prepare(&v->rays);
+    return few_meet(few, k, &v->rays, far, asked->bits);
 }
 
 bool volley_leaf(struct scratch *s, const struct leaf *l, const struct few *few, int k,
