@@ -33,7 +33,7 @@ struct run {
     struct sources sources;
     struct diag diag;
     FILE *debug;
-    int frame;                          /* 0: no animation */
+    int frame;                          /* < 0: no animation */
     struct lang *lang;
     bool limit_reached;
     struct stats stats;
@@ -114,7 +114,7 @@ static struct lang_setup setup_of(struct run *r)
         .checks = o->task == TASK_CHECK,
         .clock = o->clock, .clock_on = o->has_clock, .debug = r->debug, .load_image = load_image };
 
-    if (r->frame) {
+    if (r->frame >= 0) {
         s.clock = frames_clock(a, r->frame);
         s.clock_on = true;
         s.clock_delta = frames_clock_delta(a);
@@ -211,7 +211,7 @@ static int render_rows(struct run *r, const struct plan *plan, struct picture *p
     progress_end(&p->progress);
     r->stats.write = p->write_seconds;
     /* A frame that lacks rows would be taken for a whole one by --resume. */
-    if (!picture_close(p, !p->error && (whole || !r->frame)) || p->error)
+    if (!picture_close(p, !p->error && (whole || r->frame < 0)) || p->error)
         return cannot_write(p);
     return whole ? EXIT_OK : EXIT_INTERRUPTED;
 }
@@ -338,7 +338,7 @@ static int run_all(const struct options *o, const struct engine *engine)
     struct frames f = frames_of(&o->animation);
 
     if (!o->animation.is_on)
-        return run_frame(o, engine, 0);
+        return run_frame(o, engine, -1);
     for (int frame = f.first; frame <= f.last; frame += f.step) {
         int status = is_made(o, frame) ? EXIT_OK : run_frame(o, engine, frame);
         if (status != EXIT_OK)

@@ -101,7 +101,7 @@ const char *places_output(const struct options *o, int frame)
 {
     const char *path = plain_output(o), *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
 
-    if (!frame || strcmp(path, "-") == 0)
+    if (frame < 0 || strcmp(path, "-") == 0)
         return path;
     size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
     int wide = snprintf(NULL, 0, "%d", o->animation.final_frame);

@@ -10,7 +10,7 @@ const char *places_installed(unsigned n);
 /* The folders given, then rtc's own and POV-Ray's installed ones. */
 void places_library(struct options *o);
 
-/* The picture's path; frame 0: not an animation, else its number is put
+/* The picture's path; frame < 0: no animation, else its number is put
  * before the extension, as wide as the last one. */
 const char *places_output(const struct options *o, int frame);
 

@@ -274,7 +274,8 @@ static void call_inside(struct arguments *a, struct value *out)
 {
     const struct object *o = a->v[0].thing;
 
-    if (!is_unknown(a, o) && !object_is_solid(o))
+    bool has_inside = (o->kind == OBJECT_SHAPE && o->ops->inside) || object_is_solid(o);
+    if (!is_unknown(a, o) && !has_inside)       /* what is behind a disc is inside of it */
         refuse(a, "the object has no inside");
     one(out, object_inside(o, point(a, 1)));
 }
