@@ -259,6 +259,8 @@ static struct bounds joint_extent(const struct object *o)
 
 static struct bounds whole_extent(const struct object *o)
 {
+    if (o->more->unsupported && !is_whole(&o->more->reach))
+        return o->more->reach;          /* nothing is known: a size below 0 asks for no room */
     if (o->more->unsupported)
         return moved(o->more->reach, o->place);
     switch (o->kind) {
