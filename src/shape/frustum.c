@@ -52,7 +52,7 @@ struct bounds frustum_bounds(const void *self)
 {
     const struct frustum *s = self;
     vec3 cap = vec_fma(s->base, s->height * s->size, s->z);
-    double cap_radius = fmax(0, fma(s->slope, s->height, s->r)) * s->size;
+    double cap_radius = larger(fma(s->slope, s->height, s->r), 0) * s->size;
 
     return bounds_pad(bounds_join(disc_bounds(s->base, s->z, s->r * s->size),
                                   disc_bounds(cap, s->z, cap_radius)));
@@ -61,7 +61,7 @@ struct bounds frustum_bounds(const void *self)
 void frustum_hold(const void *self, vec3 *centre, vec3 edge[3])
 {
     const struct frustum *s = self;
-    double radius = fmax(s->r, fma(s->slope, s->height, s->r)) * s->size;
+    double radius = larger(fma(s->slope, s->height, s->r), s->r) * s->size;
 
     edge[0] = vec_scale(s->x, radius);
     edge[1] = vec_scale(s->y, radius);

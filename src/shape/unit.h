@@ -67,7 +67,7 @@ static inline struct hit hit_at(struct ray ray, double t, double size, uint32_t 
 /* Bounds that rounding cannot push the surface out of. */
 static inline struct bounds bounds_pad(struct bounds b)
 {
-    double pad = 8 * ROUNDING * fmax(vec_largest(b.low), vec_largest(b.high));
+    double pad = 8 * ROUNDING * larger(vec_largest(b.low), vec_largest(b.high));
     vec3 by = vec(pad, pad, pad);
 
     return (struct bounds) { vec_sub(b.low, by), vec_add(b.high, by) };

@@ -40,23 +40,35 @@ static void lay(const struct bvh *b, float (*rows)[LANES], unsigned lane, struct
         double sum = sum_of(row[i]);
         if (sum > 1 / thinnest)
             row[i] = vec_scale(row[i], 1 / (thinnest * sum));
-        largest = fmax(largest, fmin(sum, 1 / thinnest));
+        largest = larger(largest, smaller(sum, 1 / thinnest));
         put(rows, BRICK_ROW + 3 * i, lane, row[i]);
     }
     put(rows, BRICK_CENTRE, lane, vec_scale(vec_sub(brick.centre, b->middle), b->scale));
     rows[BRICK_SUM][lane] = (float)(largest * loose);
 }
 
+/* Neighbours in the tree stand anywhere in memory: what they are made of is
+ * asked for while others are worked on, and what that leads to a little later. */
+static void fetch_ahead(const struct bvh *b, const struct brick_source *s, size_t i)
+{
+    enum { AHEAD = 8 };
+
+    if (i + 2 * AHEAD < b->n_item)
+        s->fetch(s->of, b->item[i + 2 * AHEAD], false);
+    if (i + AHEAD < b->n_item)
+        s->fetch(s->of, b->item[i + AHEAD], true);
+}
+
 /* A chunk more than there are items: a leaf's may be read from two. */
-void bvh_add_bricks(struct bvh *b, bool (*brick)(const void *of, uint32_t item, struct brick *out),
-                    const void *of, struct arena *mem)
+void bvh_add_bricks(struct bvh *b, const struct brick_source *s, struct arena *mem)
 {
     size_t chunks = b->n_item / LANES + 2;
 
     b->brick = arena_alloc_aligned(mem, chunks * BRICK_FLOATS * sizeof *b->brick, sizeof *b->brick);
     for (size_t i = 0; i < b->n_item; i++) {
         struct brick one;
-        if (brick(of, b->item[i], &one))
+        fetch_ahead(b, s, i);
+        if (s->brick(s->of, b->item[i], &one))
             lay(b, b->brick + i / LANES * BRICK_FLOATS, i % LANES, one);
     }
 }

@@ -9,10 +9,16 @@
 
 struct brick { vec3 centre, edge[3]; };         /* from the centre to three of its faces */
 
-/* Gives the items bricks, in their order in the tree; those of which brick
- * says false have none. */
-void bvh_add_bricks(struct bvh *b, bool (*brick)(const void *of, uint32_t item, struct brick *out),
-                    const void *of, struct arena *mem);
+/* Where bricks come from: false for an item that has none.  fetch says that
+ * an item's turn comes soon; is_near, that it did so before. */
+struct brick_source {
+    bool (*brick)(const void *of, uint32_t item, struct brick *out);
+    void (*fetch)(const void *of, uint32_t item, bool is_near);
+    const void *of;
+};
+
+/* Gives the items bricks, in their order in the tree. */
+void bvh_add_bricks(struct bvh *b, const struct brick_source *s, struct arena *mem);
 
 /* In the tree's unit, floats in rows of eight; an item's lane is its number
  * modulo eight, so that those of a leaf never meet in one.  q = row (p - centre)

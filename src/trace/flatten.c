@@ -559,7 +559,7 @@ static struct bounds item_bounds(const struct builder *b, uint32_t item)
     const struct instance *i = &p->instance[number];
     struct bounds in = space_bounds(&b->geometry->space[i->root]);
     struct bounds out = bounds_move(&in, &i->place);
-    double pad = i->fuzz * fmax(vec_largest(out.low), vec_largest(out.high));
+    double pad = i->fuzz * larger(vec_largest(out.low), vec_largest(out.high));
     vec3 by = vec(pad, pad, pad);
     return (struct bounds) { vec_sub(out.low, by), vec_add(out.high, by) };
 }
@@ -575,8 +575,8 @@ static double ball_stretch(const struct placement *p)
 
     for (int i = 0; i < 3; i++) {
         column[i] = vec_length(vec(m->m[0][i], m->m[1][i], m->m[2][i]));
-        most = fmax(most, column[i]);
-        least = fmin(least, column[i]);
+        most = larger(most, column[i]);
+        least = smaller(least, column[i]);
     }
     bool is_similarity = p->stretch * p->stretch <= 3 * least * least * (1 + 1e-9)
                          && p->fuzz <= 3 * 0x1p-52 * (1 + 1e-9);
@@ -599,7 +599,7 @@ static bool item_ball(const void *of, uint32_t item, vec3 *centre, double *radiu
     const struct leaf *l = &b->plan->leaf[item_number(item)];
     struct bounds box = l->ops->bounds(l->shape);
     *centre = vec_add(vec_scale(box.low, 0.5), vec_scale(box.high, 0.5));
-    *radius = fmax(box.high.x - centre->x, fmax(box.high.y - centre->y, box.high.z - centre->z));
+    *radius = larger(box.high.x - centre->x, larger(box.high.y - centre->y, box.high.z - centre->z));
     if (l->placement) {
         *centre = mat_point(&l->placement->place.to, *centre);
         *radius *= ball_stretch(l->placement);
@@ -624,8 +624,8 @@ static struct brick brick_of_bounds(struct bounds b)
     double least = 0x1p-20 * vec_largest(half);         /* flat things need some thickness, too */
 
     return (struct brick) { vec_add(vec_scale(b.low, 0.5), vec_scale(b.high, 0.5)),
-                            { vec(fmax(half.x, least), 0, 0), vec(0, fmax(half.y, least), 0),
-                              vec(0, 0, fmax(half.z, least)) } };
+                            { vec(larger(half.x, least), 0, 0), vec(0, larger(half.y, least), 0),
+                              vec(0, 0, larger(half.z, least)) } };
 }
 
 static void brick_move(struct brick *b, const struct transform *t)
@@ -666,6 +666,35 @@ static bool item_brick(const void *of, uint32_t item, struct brick *out)
     *out = brick_of_bounds(space_bounds(&b->geometry->space[i->root]));
     brick_move(out, &i->place);
     return true;
+}
+
+/* As much of a placement as bricks are made of. */
+static void place_fetch(const struct transform *place, const double *fuzz)
+{
+    __builtin_prefetch(&place->to.m[0]);
+    __builtin_prefetch(&place->to.m[2]);
+    __builtin_prefetch(fuzz);
+}
+
+static void leaf_fetch(const struct leaf *l)
+{
+    __builtin_prefetch(l->shape);
+    if (l->placement)
+        place_fetch(&l->placement->place, &l->placement->fuzz);
+}
+
+static void item_fetch(const void *of, uint32_t item, bool is_near)
+{
+    const struct builder *b = of;
+    const struct plan *p = b->plan;
+    uint32_t number = item_number(item);
+
+    if (item_kind(item) == ITEM_INSTANCE && !is_near)
+        place_fetch(&p->instance[number].place, &p->instance[number].fuzz);
+    else if (item_kind(item) == ITEM_LEAF && !is_near)
+        __builtin_prefetch(&p->leaf[number]);
+    else if (item_kind(item) == ITEM_LEAF)
+        leaf_fetch(&p->leaf[number]);
 }
 
 /* May the item block light, may it let some through? */
@@ -727,7 +756,7 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
     if (mostly_balls(b, &bounded))
         bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
     else if (bounded.n > FEW)
-        bvh_add_bricks(&s.tree, item_brick, b, b->plan->mem);
+        bvh_add_bricks(&s.tree, &(struct brick_source) { item_brick, item_fetch, b }, b->plan->mem);
     s.n_unbounded = unbounded.n;
     s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
     s.few = few_of(b, items, &s);

@@ -27,7 +27,7 @@ struct bounds leaf_bounds(const struct leaf *l)
     if (!l->placement)
         return b;
     b = bounds_move(&b, &l->placement->place);
-    double pad = l->placement->fuzz * fmax(vec_largest(b.low), vec_largest(b.high));
+    double pad = l->placement->fuzz * larger(vec_largest(b.low), vec_largest(b.high));
     vec3 by = vec(pad, pad, pad);
     return (struct bounds) { vec_sub(b.low, by), vec_add(b.high, by) };
 }
