@@ -110,6 +110,7 @@ const struct ast *reader_step(struct reader *r)
 {
     struct lang *l = r->lang;
 
+    l->stopped = l->stopped || l->diag->full;   /* else a loop would go on making messages that nobody sees */
     while (!l->stopped) {
         struct frame *f = &l->frame[l->n_frame - 1];
         const struct ast *a = f->next;
