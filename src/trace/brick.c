@@ -47,18 +47,6 @@ static void lay(const struct bvh *b, float (*rows)[LANES], unsigned lane, struct
     rows[BRICK_SUM][lane] = (float)(largest * loose);
 }
 
-/* Neighbours in the tree stand anywhere in memory: what they are made of is
- * asked for while others are worked on, and what that leads to a little later. */
-static void fetch_ahead(const struct bvh *b, const struct brick_source *s, size_t i)
-{
-    enum { AHEAD = 8 };
-
-    if (i + 2 * AHEAD < b->n_item)
-        s->fetch(s->of, b->item[i + 2 * AHEAD], false);
-    if (i + AHEAD < b->n_item)
-        s->fetch(s->of, b->item[i + AHEAD], true);
-}
-
 /* A chunk more than there are items: a leaf's may be read from two. */
 void bvh_add_bricks(struct bvh *b, const struct brick_source *s, struct arena *mem)
 {
@@ -67,7 +55,7 @@ void bvh_add_bricks(struct bvh *b, const struct brick_source *s, struct arena *m
     b->brick = arena_alloc_aligned(mem, chunks * BRICK_FLOATS * sizeof *b->brick, sizeof *b->brick);
     for (size_t i = 0; i < b->n_item; i++) {
         struct brick one;
-        fetch_ahead(b, s, i);
+        bvh_fetch_ahead(b, i, s->fetch, s->of);
         if (s->brick(s->of, b->item[i], &one))
             lay(b, b->brick + i / LANES * BRICK_FLOATS, i % LANES, one);
     }

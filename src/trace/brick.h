@@ -9,11 +9,10 @@
 
 struct brick { vec3 centre, edge[3]; };         /* from the centre to three of its faces */
 
-/* Where bricks come from: false for an item that has none.  fetch says that
- * an item's turn comes soon; is_near, that it did so before. */
+/* Where bricks come from: false for an item that has none. */
 struct brick_source {
     bool (*brick)(const void *of, uint32_t item, struct brick *out);
-    void (*fetch)(const void *of, uint32_t item, bool is_near);
+    bvh_fetch *fetch;
     const void *of;
 };
 

@@ -3,13 +3,14 @@
 
 /* Rounding up in the last step pays for the roundings before it. */
 void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, vec3 *centre, double *radius),
-                   const void *of, struct arena *mem)
+                   bvh_fetch *fetch, const void *of, struct arena *mem)
 {
     for (int i = 0; i < 4; i++)         /* eight are read at once, also at the end */
         b->ball[i] = arena_array(mem, b->n_item + LANES, sizeof *b->ball[i]);
     for (size_t i = 0; i < b->n_item; i++) {
         vec3 centre = b->middle;
         double radius = INFINITY;
+        bvh_fetch_ahead(b, i, fetch, of);
         if (!ball(of, b->item[i], &centre, &radius))
             radius = INFINITY;
         centre = vec_scale(vec_sub(centre, b->middle), b->scale);

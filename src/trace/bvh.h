@@ -43,11 +43,26 @@ void bvh_build(struct bvh *b, size_t n, struct bounds (*box)(const void *of, siz
                const void *of, unsigned leaf_size, unsigned enough, unsigned threads,
                struct arena *mem);
 
+/* Neighbours in the tree stand anywhere in memory: what they are made of is
+ * asked for while others are worked on, and what that leads to (is_near) a
+ * little later. */
+typedef void bvh_fetch(const void *of, uint32_t item, bool is_near);
+
+INLINE void bvh_fetch_ahead(const struct bvh *b, size_t i, bvh_fetch *fetch, const void *of)
+{
+    enum { AHEAD = 8 };
+
+    if (i + 2 * AHEAD < b->n_item)
+        fetch(of, b->item[i + 2 * AHEAD], false);
+    if (i + AHEAD < b->n_item)
+        fetch(of, b->item[i + AHEAD], true);
+}
+
 /* Gives the items balls that hold them, in their order in the tree; those of
  * which ball says false have none.  Spheres far from the ray are then passed
  * over eight at a time, before anything of theirs is read. */
 void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, vec3 *centre, double *radius),
-                   const void *of, struct arena *mem);
+                   bvh_fetch *fetch, const void *of, struct arena *mem);
 
 /* A ray as the boxes see it. */
 struct bvh_ray {

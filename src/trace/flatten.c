@@ -754,7 +754,7 @@ static void finish_space(struct builder *b, uint32_t number, const struct list *
             s.candidate[i] = candidate_of(b, bounded.item[at], bounds[at]);
     }
     if (mostly_balls(b, &bounded))
-        bvh_add_balls(&s.tree, item_ball, b, b->plan->mem);
+        bvh_add_balls(&s.tree, item_ball, item_fetch, b, b->plan->mem);
     else if (bounded.n > FEW)
         bvh_add_bricks(&s.tree, &(struct brick_source) { item_brick, item_fetch, b }, b->plan->mem);
     s.n_unbounded = unbounded.n;
