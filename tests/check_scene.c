@@ -300,25 +300,14 @@ END_TEST
 START_TEST(test_all_layers_of_a_texture_move)
 {
     struct texture top = texture_default, bottom = texture_default;
-    struct pigment patterned = pigment_default;
     struct transform t = transform_translate(vec(1, 2, 3));
 
-    patterned.kind = PIGMENT_COLOUR_MAP;
-    top.pigment = &patterned;
     bottom.above = &top;
     const struct texture *moved = texture_move(&mem, &bottom, &t);
     NEAR_VEC(mat_point(&moved->place->to, vec(0, 0, 0)), vec(1, 2, 3));
     NEAR_VEC(mat_point(&moved->above->place->to, vec(0, 0, 0)), vec(1, 2, 3));
     ck_assert_ptr_null(moved->above->above);
     ck_assert(bottom.place->is_identity && top.place->is_identity);
-}
-END_TEST
-
-START_TEST(test_a_texture_that_is_the_same_everywhere_need_not_move)
-{
-    struct transform t = transform_translate(vec(1, 2, 3));
-
-    ck_assert_ptr_eq(texture_move(&mem, &texture_default, &t), &texture_default);
 }
 END_TEST
 
@@ -435,7 +424,6 @@ int main(void)
     tcase_add_test(t, test_trace_tells_a_miss);
     tcase_add_test(t, test_trace_of_an_intersection_needs_all);
     tcase_add_test(t, test_all_layers_of_a_texture_move);
-    tcase_add_test(t, test_a_texture_that_is_the_same_everywhere_need_not_move);
     tcase_add_test(t, test_lights_in_unions_come_into_the_world_where_they_stand);
     tcase_add_test(t, test_what_a_light_looks_like_moves_with_it);
     tcase_add_test(t, test_the_dump_names_what_is_there);

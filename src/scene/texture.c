@@ -44,15 +44,6 @@ const struct transform *transform_moved(struct arena *mem, const struct transfor
     return arena_copy(mem, &both, sizeof both);
 }
 
-/* The same everywhere, in all its layers: where it stands makes no difference. */
-static bool is_plain(const struct texture *t)
-{
-    for (; t; t = t->above)
-        if (t->kind != TEXTURE_PLAIN || t->normal || t->pigment->kind != PIGMENT_COLOUR)
-            return false;
-    return true;
-}
-
 /* The lowest layer is copied first, so layers keep their order.  One that lives
  * in (u, v) is not moved from outside of its block. */
 const struct texture *texture_move(struct arena *mem, const struct texture *layers,
@@ -60,7 +51,7 @@ const struct texture *texture_move(struct arena *mem, const struct texture *laye
 {
     const struct texture *bottom = NULL, **link = &bottom;
 
-    if (t->is_identity || is_plain(layers))
+    if (t->is_identity)
         return layers;
     for (const struct texture *from = layers; from; from = from->above) {
         struct texture *copy = arena_copy(mem, from, sizeof *from);
