@@ -49,6 +49,19 @@ static enum pigment_kind kind_of(const struct patterned *p)
     return PIGMENT_COLOUR;
 }
 
+/* What a pigment has no map for is not asked for its pattern. */
+static const struct pattern_use *use_of(struct lang *l, enum pigment_kind kind,
+                                        const struct patterned *said)
+{
+    bool has_map = kind == PIGMENT_COLOUR_MAP || kind == PIGMENT_PIGMENT_MAP;
+
+    if (has_map || !said->use.ops)
+        return &said->use;
+    struct pattern_use *use = arena_copy(l->scene_mem, &said->use, sizeof *use);
+    use->ops = NULL;
+    return use;
+}
+
 /* said: what is kept of p for good. */
 static const struct pigment *new_pigment(struct lang *l, const struct patterned *p,
                                          const struct patterned *said)
@@ -59,7 +72,7 @@ static const struct pigment *new_pigment(struct lang *l, const struct patterned 
     pigment->colour = p->colour;
     pigment->quick_colour = p->quick_colour;
     pigment->has_quick_colour = p->has_quick_colour;
-    pigment->pattern = &said->use;
+    pigment->pattern = use_of(l, pigment->kind, said);
     pigment->entry = (struct map_entry *)p->map.entry;
     pigment->n_entry = p->map.n;
     pigment->image = &said->image;
