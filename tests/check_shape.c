@@ -239,6 +239,14 @@ static void fill_packet(const struct shape_ops *ops, const void *self, struct pa
     packet_prepare(p);
 }
 
+/* What hits_many should say. */
+static int expected_of(const struct shape_ops *ops, const void *self, struct ray ray, struct hit out[])
+{
+    if (ops->many_is_first)
+        return ops->nearest(self, &ray, 0, INFINITY, out);
+    return ops->hits(self, ray, out);
+}
+
 /* Lane i of what hits_many said, as hits() would. */
 static int crossings_of(const struct crossings *c, int i, struct hit out[])
 {
@@ -278,7 +286,7 @@ START_TEST(test_many_rays_hit_what_each_hits)
             ck_assert(n == 0 || (asked && sure));
             if (!asked || !sure)
                 continue;
-            ck_assert_int_eq(ops->hits(self, packet_ray(&p, j), one), n);
+            ck_assert_int_eq(expected_of(ops, self, packet_ray(&p, j), one), n);
             for (int k = 0; k < n; k++)
                 ck_assert(many[k].t == one[k].t && same(many[k].slack, one[k].slack)
                           && many[k].part == one[k].part && many[k].u == one[k].u
@@ -288,7 +296,7 @@ START_TEST(test_many_rays_hit_what_each_hits)
         }
     }
     if (ops->hits_many) {
-        ck_assert_int_gt(n_sure, ROUNDS * PACKET / 8);
+        ck_assert_int_gt(n_sure, ROUNDS * PACKET / 16);        /* half of the tori are spindles */
         ck_assert_int_gt(n_met, n_sure / 10);
     }
     (void)RAYS;

@@ -88,6 +88,8 @@ static int hits_of(const struct leaf *l, struct ray ray, struct hit out[])
 {
     unsigned long long unused = 0;
 
+    if (l->ops && l->ops->many_is_first)
+        return l->ops->nearest(l->shape, &ray, 0, INFINITY, out);
     if (l->ops)
         return l->ops->hits(l->shape, ray, out);
     return mesh_nearest(l->mesh, ray, 0, INFINITY, out, &unused);

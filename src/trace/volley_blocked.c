@@ -229,14 +229,14 @@ static void tally_ahead(const struct plan *p, struct scratch *s, const struct fe
     scratch_tallied(s, row, s->volley.rays.n, barrier);
 }
 
-/* Of a mesh hits_many tells the nearest crossing only. */
+/* Those of which hits_many tells all crossings. */
 static uint32_t all_hot(const struct plan *p, const struct few *few, uint32_t things)
 {
     uint32_t hot = 0;
 
     for (; things; things &= things - 1) {
         const struct leaf *l = hot_leaf(p, few->item[__builtin_ctz(things)]);
-        hot |= l && l->ops ? things & -things : 0;
+        hot |= l && l->ops && !l->ops->many_is_first ? things & -things : 0;
     }
     return hot;
 }
