@@ -1041,6 +1041,70 @@ START_TEST(test_points_in_arrays_are_what_each_is_alone)
 }
 END_TEST
 
+/* Unions of all that there is, planes excepted, some not seen by all rays. */
+static struct object *some_union(int n)
+{
+    struct object *child[8];
+
+    for (int i = 0; i < n; i++) {
+        child[i] = i % 4 == 3 ? mesh_object(mesh_ball(2 + below(12), 0.4))
+                   : i % 4 == 2 ? random_csg(1) : random_shape(0.5, 0.3);
+        child[i]->flags |= below(6) ? 0 : OBJECT_NO_IMAGE;
+        child[i]->flags |= below(6) ? 0 : OBJECT_NO_SHADOW;
+    }
+    return group(OBJECT_UNION, child, (size_t)n);
+}
+
+START_TEST(test_rays_to_copies_go_together_and_meet_what_each_meets_alone)
+{
+    for (int round = 0; round < 6; round++) {
+        teardown();
+        setup();
+        struct object *kind[6];
+        scene_add_light(&scene, &(struct light) { .colour = { 1, 1, 1 } });
+        int n_kind = round % 2 ? 6 : 2;
+        double wide = round % 3 ? 8 : 3;
+        for (int i = 0; i < n_kind; i++)
+            kind[i] = some_union(3 + below(6));
+        for (int i = 0; i < 1200; i++)
+            scene_add(&scene, moved(kind[i % n_kind], turned(in_cube(180), i % 10 ? in_cube(wide) : vec(0, 0, 0))));
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        ck_assert_uint_eq(p->n_instance, 1200);
+        for (int k = 0; k < 8; k++) {
+            struct many m;
+            for (int i = 0; i < MOST_RAYS; i++) {
+                many_put(&m, i, i % 20 ? random_ray(uniform(0, 2), wide) : odd_ray(i + k));
+                m.far[i] = i % 3 ? INFINITY : uniform(0, 2);
+                m.mask[i] = i % 2 ? RAY_PRIMARY : RAY_REFLECTED;
+            }
+            many_as_one_by_one(p, s, &m, MOST_RAYS);
+        }
+    }
+}
+END_TEST
+
+/* What blocked the last ray is asked first, where it stands. */
+START_TEST(test_a_copy_that_blocks_is_remembered_where_it_stands)
+{
+    struct object *child[3] = { sphere(vec(0, 0, 0), 1), sphere(vec(0, 1, 0), 1), sphere(vec(0, 0, 1), 1) };
+    struct object *three = group(OBJECT_UNION, child, 3);
+    const struct ray at_it = { { 10, 0, -20 }, { 0, 0, 1 } }, beside = { { 20, 0, -20 }, { 0, 0, 1 } };
+
+    scene_add_light(&scene, &(struct light) { .colour = { 1, 1, 1 } });
+    scene_add(&scene, moved(three, transform_translate(vec(10, 0, 0))));
+    for (int i = 0; i < 300; i++)
+        scene_add(&scene, moved(three, transform_translate(vec(-10 - 4 * i, 0, 0))));
+    struct plan *p = plan();
+    struct scratch *s = scratch_new(p, &mem);
+    ck_assert_uint_eq(p->n_instance, 301);
+    for (int i = 0; i < 2; i++) {
+        ck_assert(geometry_blocked(p, s, at_it, INFINITY, 0));
+        ck_assert(!geometry_blocked(p, s, beside, INFINITY, 0));
+    }
+}
+END_TEST
+
 /* Corners on a coarse grid, so that many faces coincide. */
 static double on_grid(void) { return 0.25 * (below(9) - 4); }
 
@@ -1474,6 +1538,8 @@ int main(void)
     tcase_add_test(tc, test_equal_things_are_met_in_the_order_of_their_listing);
     tcase_add_test(tc, test_a_union_placed_often_is_stored_once);
     tcase_add_test(tc, test_instances_may_differ_in_their_texture);
+    tcase_add_test(tc, test_a_copy_that_blocks_is_remembered_where_it_stands);
+    tcase_add_test(tc, test_rays_to_copies_go_together_and_meet_what_each_meets_alone);
     tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);
     tcase_add_test(tc, test_a_mesh_is_met_where_asking_every_face_meets_it);
     tcase_add_loop_test(tc, test_arrays_of_rays_meet_what_each_ray_meets, 0, 4);

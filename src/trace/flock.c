@@ -1,30 +1,7 @@
 /* flock.c: many rays that go down the world's tree together. */
-#include "trace/flock.h"
-
 #include <string.h>
 
-#include "trace/volley.h"
-
-/* Rays that go down the world's tree together. */
-struct flock {
-    struct search search;               /* of the ray whose turn it is */
-    const struct rays *rays;
-    const uint8_t *mask;
-    struct meeting *out;
-    double far[STREAM];
-    uint64_t *barrier;                  /* of shadow rays */
-    struct blocker *last;
-    uint32_t row;                       /* of the first's tallies, or NO_TALLY */
-};
-
-static struct search *turn(struct flock *f, int i)
-{
-    struct search *s = &f->search;
-
-    s->ray = rays_at(f->rays, i);
-    s->far = f->far[i];
-    return s;
-}
+#include "trace/flock_own.h"
 
 /* ---- who comes to a leaf of the tree ---- */
 
@@ -160,13 +137,11 @@ static void flock_meet(struct flock *f, int i, const uint32_t item[], unsigned b
 {
     double far;
 
-    turn(f, i)->mask = f->mask[i];
+    flock_turn(f, i)->mask = f->mask[i];
     f->search.best = &f->out[i];
     visit_nearest(&f->search, item, bits, &far);
-    if (far < f->far[i]) {
-        f->far[i] = far;
-        stream_set_far(f->search.s->stream, i, far);
-    }
+    if (far < f->far[i])
+        flock_set_far(f, i, far);
 }
 
 static void meet_crowd(struct flock *f, const uint32_t item[], const uint8_t ray[],
@@ -185,17 +160,20 @@ static void meet_crowd(struct flock *f, const uint32_t item[], const uint8_t ray
     }
 }
 
-static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
 {
     struct flock *f = arg;
     const uint32_t *item = f->search.plan->geometry->space[0].tree.item + first;
 
+    if (f->search.plan->n_instance)
+        flock_send(f, item, ray, bits, n);
     if (is_crowd(bits, n)) {
         meet_crowd(f, item, ray, bits, n);
         return;
     }
     for (int k = 0; k < n; k++)
-        flock_meet(f, ray[k], item, bits[k]);
+        if (bits[k])
+            flock_meet(f, ray[k], item, bits[k]);
 }
 
 /* The hot ones of the unbounded, all rays at once: a plane, most often. */
@@ -261,7 +239,9 @@ static void nearest_of_stream(const struct plan *p, struct scratch *s, const str
     if (tree->n_node == 0)
         return;
     stream_aim(s->stream, tree, r, f.far);
+    flock_errands_begin(&f);
     stream_walk(s->stream, tree, true, flock_nearest, &f, &s->counts.box_tests);
+    flock_errands_end(&f);
 }
 
 void nearest_of_streams(const struct plan *p, struct scratch *s, const struct rays *rays,
@@ -275,25 +255,21 @@ void nearest_of_streams(const struct plan *p, struct scratch *s, const struct ra
 
 /* ---- what blocks light ---- */
 
-static void block(struct flock *f, int i)
-{
-    f->barrier[i] = BARRIER_OPAQUE;
-    stream_end(f->search.s->stream, i);
-}
-
-static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+static void flock_blocked(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
 {
     struct flock *f = arg;
     struct scratch *s = f->search.s;
     const uint32_t *item = s->plan->geometry->space[0].tree.item + first;
 
+    if (s->plan->n_instance)
+        flock_send(f, item, ray, bits, n);
     for (int k = 0; k < n; k++) {
         int i = ray[k];
         double far;
-        if (!visit_blocked(turn(f, i), item, bits[k], &far))
+        if (!bits[k] || !visit_blocked(flock_turn(f, i), item, bits[k], &far))
             continue;
         *f->last = (struct blocker) { f->search.best->leaf, f->search.best->instance, true };
-        block(f, i);
+        flock_block(f, i);
     }
 }
 
@@ -308,8 +284,8 @@ static void blocked_by_span(struct flock *f, const struct leaf *l, uint32_t item
     f->search.s->counts.leaf_tests += (unsigned)f->rays->n;
     for (int i = 0; i < f->rays->n; i++) {
         double t = near[i] > 0 ? near[i] : far[i];
-        if ((t > 0 && t < f->far[i]) || (isnan(t) && blocks(turn(f, i), item)))
-            block(f, i);
+        if ((t > 0 && t < f->far[i]) || (isnan(t) && blocks(flock_turn(f, i), item)))
+            flock_block(f, i);
     }
 }
 
@@ -321,15 +297,19 @@ static void blocked_by(struct flock *f, const struct blocker *b)
     if (l)
         blocked_by_span(f, l, b->item);
     for (int i = 0; !l && i < f->rays->n; i++)
-        if (f->barrier[i] != BARRIER_OPAQUE && still_blocks(turn(f, i), b))
-            block(f, i);
+        if (f->barrier[i] != BARRIER_OPAQUE && still_blocks(flock_turn(f, i), b))
+            flock_block(f, i);
 }
 
 /* What stood in the way last time is asked first. */
 static void blocked_ahead(struct flock *f)
 {
-    if (f->last->is_known)
-        blocked_by(f, f->last);
+    const struct blocker b = *f->last;
+
+    if (b.is_known && b.instance == NO_INSTANCE && item_kind(b.item) == ITEM_INSTANCE)
+        flock_blocked_by_instance(f, item_number(b.item));
+    else if (b.is_known)
+        blocked_by(f, &b);
 }
 
 static void blocked_by_unbounded(struct flock *f)
@@ -345,7 +325,7 @@ static void blocked_by_unbounded(struct flock *f)
 /* One ray against one thing. */
 static void tally_one(struct flock *f, int i, const uint32_t *item)
 {
-    struct search *s = turn(f, i);
+    struct search *s = flock_turn(f, i);
 
     if (f->barrier[i] == BARRIER_OPAQUE)
         return;
@@ -355,7 +335,7 @@ static void tally_one(struct flock *f, int i, const uint32_t *item)
     if (item_kind(*item) != ITEM_INSTANCE)
         *s->best = (struct meeting) { .leaf = *item, .instance = NO_INSTANCE };
     *f->last = (struct blocker) { s->best->leaf, s->best->instance, true };
-    block(f, i);
+    flock_block(f, i);
 }
 
 /* How often each ray crosses the leaf; true: some are left to hits(). */
@@ -412,7 +392,7 @@ static void tally_crowd(struct flock *f, const uint32_t item[], const uint8_t ra
     }
 }
 
-static void flock_tallied(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+static void flock_tallied(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
 {
     struct flock *f = arg;
 
@@ -449,10 +429,12 @@ static void blocked_by_stream(const struct plan *p, struct scratch *s, const str
     memcpy(f.far, far, (size_t)r->n * sizeof *far);
     memset(barrier, 0, (size_t)r->n * sizeof *barrier);
     stream_aim(s->stream, tree, r, far);
+    flock_errands_begin(&f);
     blocked_ahead(&f);
     (is_tally ? tally_unbounded : blocked_by_unbounded)(&f);
     stream_walk(s->stream, tree, false, is_tally ? flock_tallied : flock_blocked, &f,
                 &s->counts.box_tests);
+    flock_errands_end(&f);
     if (is_tally)
         scratch_tallied(s, row, r->n, barrier);
 }

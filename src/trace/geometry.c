@@ -19,6 +19,8 @@ struct scratch *scratch_new(const struct plan *p, struct arena *mem)
     s->blocker = arena_array(mem, p->n_light + 1, sizeof *s->blocker);
     s->blocked = arena_array(mem, p->n_light + 1, sizeof *s->blocked);
     s->stream = arena_alloc(mem, sizeof *s->stream);
+    s->inner = arena_alloc(mem, sizeof *s->inner);
+    s->post = arena_alloc(mem, p->n_instance ? sizeof *s->post : 1);
     return s;
 }
 
@@ -111,7 +113,7 @@ static void nearest_of_few(const struct plan *p, struct scratch *s, const struct
 
     for (int at = 0; at < rays->n; at += PACKET) {
         struct rays some = rays_from(rays, at, PACKET);
-        nearest_of_choice(p, s, &all, &some, mask + at, out + at);
+        nearest_of_choice(p, s, &all, &some, NULL, mask + at, out + at);
     }
 }
 
@@ -128,7 +130,7 @@ static void nearest_of_beams(const struct plan *p, struct scratch *s, const stru
             nearest_of_streams(p, s, &some, mask + at, out + at);
         } else if (beam(&p->geometry->space[0], s, &some, NULL, &c)) {
             beam_went_well(&s->nearest, n, c.few->n);
-            nearest_of_choice(p, s, &c, &some, mask + at, out + at);
+            nearest_of_choice(p, s, &c, &some, NULL, mask + at, out + at);
         } else {
             beam_went_badly(&s->nearest, n);
             n = 0;

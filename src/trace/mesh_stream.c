@@ -51,7 +51,7 @@ static void try_face(struct flight *f, int i, uint32_t face)
         stream_set_far(f->stream, i, h.t);
 }
 
-static void visit(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n)
+static void visit(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
 {
     struct flight *f = arg;
     const struct stream *s = f->stream;

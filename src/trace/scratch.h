@@ -3,6 +3,7 @@
 #define RTC_SCRATCH_H
 
 #include "trace/convex.h"
+#include "trace/errand.h"
 #include "trace/many.h"
 #include "trace/stream.h"
 #include "trace/world.h"
@@ -52,7 +53,8 @@ struct scratch {
     size_t n_blocker;
     struct pace nearest, *blocked;      /* blocked: a light */
     struct few beam;                    /* the last beam's */
-    struct stream *stream;
+    struct stream *stream, *inner;      /* inner: of one mesh, while the other goes on */
+    struct post *post;
     uint32_t list[MOST_LISTS][FEW];     /* what beams of shadow rays found, for their crossings */
     int n_list;
     struct kept kept[MOST_KEPT];

@@ -57,7 +57,7 @@ INLINE uint32_t surface_of_leaf(const struct search *s, const struct leaf *l)
 
 INLINE bool is_opaque(const struct search *s, const struct leaf *l)
 {
-    return s->plan->surface[surface_of_leaf(s, l)].is_opaque;
+    return !s->plan->has_transparency || s->plan->surface[surface_of_leaf(s, l)].is_opaque;
 }
 
 /* The items of a space: those of the tree on the way, and the unbounded. */
@@ -176,9 +176,10 @@ INLINE bool first_of(struct search *s, const uint32_t item[], uint32_t bits,
         uint32_t one = item[__builtin_ctz(bits)];
         if (!ends(s, one))
             continue;
+        if (item_kind(one) == ITEM_INSTANCE)
+            return true;                /* what of it was noted within */
         s->best->leaf = one;
-        if (item_kind(one) != ITEM_INSTANCE)
-            s->best->instance = s->instance;
+        s->best->instance = s->instance;
         return true;
     }
     return false;

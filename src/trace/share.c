@@ -2,7 +2,7 @@
 #include "trace/share.h"
 
 enum {
-    SMALLEST = 8,               /* leaves: fewer are as quick on their own */
+    SMALLEST = 3,               /* leaves: of fewer, a tree of their own is no quicker */
     LARGEST = 1 << 17,          /* leaves: of more, the parts are shared rather than the whole */
     WORTH = 500,                /* leaves saved */
 };

@@ -44,8 +44,8 @@ INLINE void stream_end(struct stream *s, int i) { s->limit[i] = -1; }
 
 /* Calls visit(arg, first, ray, bits, n) for the leaves on the way of some
  * rays: bit k of bits[i] means that ray[i] may meet item[first + k].  visit
- * may shorten limits.  in_order: about the nearest leaves first. */
-typedef void stream_visit(void *arg, uint32_t first, const uint8_t ray[], const uint8_t bits[], int n);
+ * may shorten limits and use up bits.  in_order: about the nearest leaves first. */
+typedef void stream_visit(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n);
 void stream_walk(struct stream *s, const struct bvh *b, bool in_order, stream_visit *visit, void *arg,
                  unsigned long long *box_tests);
 

@@ -45,7 +45,7 @@ bool volley_mesh(struct scratch *s, const struct leaf *l, const struct few *few,
         until[i] = !is_asked ? -1 : is_any ? far[i] : beyond(far[i]);
         s->counts.leaf_tests += is_asked;
     }
-    mesh_nearest_stream(l->mesh, s->stream, leaf_packet(l, &v->rays, &all, &v->view), until, is_any,
+    mesh_nearest_stream(l->mesh, s->inner, leaf_packet(l, &v->rays, &all, &v->view), until, is_any,
                         &v->view.crossings, &s->counts.box_tests);
     return true;
 }

@@ -9,8 +9,10 @@
  * found.  Bits of few: may block light, may filter it. */
 struct choice { const struct few *few; uint64_t opaque, clear, list; };
 
+/* far: how far each ray goes, filled up to a register as a packet is; NULL: any t. */
 void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
-                       const struct rays *r, const uint8_t *mask, struct meeting *out);
+                       const struct rays *r, const double *far, const uint8_t *mask,
+                       struct meeting *out);
 void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
                        const struct rays *r, const double *far, uint64_t *barrier);
 

@@ -4,9 +4,15 @@
 
 #include "trace/volley.h"
 
+/* Within an instance, where a leaf's surface may be the instance's, all is opaque. */
+static bool lets_none_through(const struct plan *p, const struct leaf *l)
+{
+    return !p->has_transparency || p->surface[l->surface].is_opaque;
+}
+
 static bool is_blocker(const struct plan *p, const struct leaf *l)
 {
-    return (l->mask & RAY_SHADOW) && p->surface[l->surface].is_opaque;
+    return (l->mask & RAY_SHADOW) && lets_none_through(p, l);
 }
 
 /* Takes the rays out of open that item k blocks; true: all are. */
@@ -70,7 +76,7 @@ static void close_by_convex(const struct plan *p, struct scratch *s, const struc
         s->counts.csg_tests += (unsigned)w->n;
         for (int j = 0; j < w->n; j++) {
             bool is_met = w->part[j] < CONVEX_UNKNOWN;
-            bool is_blocked = is_met && p->surface[p->leaf[csg->part[w->part[j]].leaf].surface].is_opaque;
+            bool is_blocked = is_met && lets_none_through(p, &p->leaf[csg->part[w->part[j]].leaf]);
             if (w->part[j] == CONVEX_NOTHING || is_blocked)
                 lanes_drop(asked, w->number[j]);
             if (is_blocked)
@@ -284,5 +290,4 @@ void blocked_by_choice(const struct plan *p, struct scratch *s, const struct cho
         barrier[i] = lanes_has(&open, i) ? 0 : BARRIER_OPAQUE;
     if (p->has_transparency)
         look_at_clear(p, s, c, v->far, &open, barrier);
-    s->counts.shadow_rays += (unsigned)r->n;
 }

@@ -33,7 +33,7 @@ void search_for(struct search *s, const struct rays *r, int i, const uint8_t *ma
     s->ray = rays_at(r, i);
     s->mask = mask[i];
     s->best = &out[i];
-    s->far = out[i].leaf == NO_LEAF ? INFINITY : beyond(out[i].t);
+    s->far = out[i].leaf == NO_LEAF ? out[i].t : beyond(out[i].t);
 }
 
 static void found_get(const struct found *f, int i, struct meeting *out)
@@ -175,13 +175,14 @@ void found_meetings(const struct plan *p, const struct found *f, int n,
 
 /* The rest last: by then it need not be looked for far away. */
 void nearest_of_choice(const struct plan *p, struct scratch *s, const struct choice *c,
-                       const struct rays *r, const uint8_t *mask, struct meeting *out)
+                       const struct rays *r, const double *far, const uint8_t *mask,
+                       struct meeting *out)
 {
     struct volley *v = &s->volley;
     uint32_t rest = 0;
 
-    volley_start(s, c, r, NULL);
-    found_start(&v->found, &v->rays, NULL);
+    volley_start(s, c, r, far);
+    found_start(&v->found, &v->rays, far);
     for (uint32_t todo = v->on_the_way; todo; todo &= todo - 1) {
         int k = __builtin_ctz(todo);
         const struct leaf *l = hot_leaf(p, c->few->item[k]);
@@ -198,5 +199,4 @@ void nearest_of_choice(const struct plan *p, struct scratch *s, const struct cho
     if (rest)
         nearest_of_rest(p, s, c->few, rest, r, mask);
     found_meetings(p, &v->found, r->n, out);
-    s->counts.rays += (unsigned)r->n;
 }
