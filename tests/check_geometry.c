@@ -325,8 +325,11 @@ static void many_as_one_by_one(const struct plan *p, struct scratch *s, const st
     struct meeting all[MOST_RAYS], one;
     uint64_t barrier[MOST_RAYS];
 
+    struct geometry_counts before = scratch_counts(s);
     geometry_nearest_many(p, s, &rays, m->mask, all);
     geometry_blocked_many(p, s, &rays, m->far, 0, barrier);
+    ck_assert_uint_eq(scratch_counts(s).rays - before.rays, (unsigned)n);
+    ck_assert_uint_eq(scratch_counts(s).shadow_rays - before.shadow_rays, (unsigned)n);
     for (int i = 0; i < n; i++) {
         struct ray ray = rays_at(&rays, i);
         bool met = geometry_nearest(p, s, ray, INFINITY, m->mask[i], &one);

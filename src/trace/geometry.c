@@ -111,6 +111,7 @@ static void nearest_of_few(const struct plan *p, struct scratch *s, const struct
 {
     const struct choice all = { .few = p->geometry->space[0].few };
 
+    s->counts.rays += (unsigned)rays->n;
     for (int at = 0; at < rays->n; at += PACKET) {
         struct rays some = rays_from(rays, at, PACKET);
         nearest_of_choice(p, s, &all, &some, NULL, mask + at, out + at);
@@ -130,6 +131,7 @@ static void nearest_of_beams(const struct plan *p, struct scratch *s, const stru
             nearest_of_streams(p, s, &some, mask + at, out + at);
         } else if (beam(&p->geometry->space[0], s, &some, NULL, &c)) {
             beam_went_well(&s->nearest, n, c.few->n);
+            s->counts.rays += (unsigned)n;
             nearest_of_choice(p, s, &c, &some, NULL, mask + at, out + at);
         } else {
             beam_went_badly(&s->nearest, n);
@@ -155,6 +157,7 @@ static void blocked_by_few(const struct plan *p, struct scratch *s, const struct
     const struct space *world = &p->geometry->space[0];
     const struct choice all = { world->few, world->opaque, world->clear, 0 };
 
+    s->counts.shadow_rays += (unsigned)rays->n;
     for (int at = 0; at < rays->n; at += PACKET) {
         struct rays some = rays_from(rays, at, PACKET);
         blocked_by_choice(p, s, &all, &some, far + at, barrier + at);
@@ -186,6 +189,7 @@ static void blocked_by_beams(const struct plan *p, struct scratch *s, const stru
             blocked_by_streams(p, s, &some, far + at, last, barrier + at);
         } else if (beam(&p->geometry->space[0], s, &some, far + at, &c)) {
             beam_went_well(pace, n, c.few->n);
+            s->counts.shadow_rays += (unsigned)n;
             c.list = p->has_transparency && c.clear ? keep_list(s, c.few) : 0;
             blocked_by_choice(p, s, &c, &some, far + at, barrier + at);
         } else {
