@@ -548,7 +548,7 @@ START_TEST(test_each_item_is_once_in_the_tree_within_its_box)
             box[i].low = place_of(_i, (int)i);
             box[i].high = vec_add(box[i].low, vec(1e-3, 0, uniform(0, 1e-2)));
         }
-        bvh_build(&tree, n, nth_box, box, 4, k % 2 ? 4 : 1, 2, &mem);
+        bvh_build(&tree, n, nth_box, box, NULL, 4, k % 2 ? 4 : 1, 2, &mem);
         struct found s = { &tree, box, arena_array(&mem, n, sizeof(int)) };
         look_below(&s, 0, 1);
         for (size_t i = 0; i < n; i++)

@@ -37,11 +37,12 @@ struct bvh {
 enum { BVH_STACK = 384 };               /* see MOST_DEPTH in bvh.c */
 
 /* The tree over n boxes, none of them empty or infinite.  The same for any
- * number of threads.  leaf_size: the most items in a leaf, 8 at most; enough:
- * as many are not divided even where nodes have slots left. */
+ * number of threads.  whole: of all boxes; NULL: it is worked out.
+ * leaf_size: the most items in a leaf, 8 at most; enough: as many are not
+ * divided even where nodes have slots left. */
 void bvh_build(struct bvh *b, size_t n, struct bounds (*box)(const void *of, size_t i),
-               const void *of, unsigned leaf_size, unsigned enough, unsigned threads,
-               struct arena *mem);
+               const void *of, const struct bounds *whole, unsigned leaf_size, unsigned enough,
+               unsigned threads, struct arena *mem);
 
 /* Neighbours in the tree stand anywhere in memory: what they are made of is
  * asked for while others are worked on, and what that leads to (is_near) a

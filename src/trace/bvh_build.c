@@ -24,12 +24,9 @@ enum {
     PART = 4096,                /* items that make a job of their own */
 };
 
-/* The boxes of the tree's items, in its own unit. */
-struct source {
-    const struct bvh *tree;
-    struct bounds (*box)(const void *of, size_t i);
-    const void *of;
-};
+/* An item's box in the tree's own unit: as struct box, without what is free
+ * there.  There are as many as items, and a box is made once. */
+struct side { float low[3], high[3]; };
 
 /* A tree, or a part of one.  Where leaves begin is counted from offset. */
 struct builder {
@@ -134,71 +131,74 @@ static uint32_t build_node(struct builder *b, const struct range *whole, int dep
 
 /* --- the cells --------------------------------------------------------------------------- */
 
-static void set_side(struct box *to, struct bounds b, vec3 middle, double scale)
+/* Rounded outwards; high is negated as in struct box. */
+static struct side side_of(const struct bvh *tree, struct bounds b)
 {
-    double side[LANES] = { b.low.x - middle.x, b.low.y - middle.y, b.low.z - middle.z, 0,
-                           middle.x - b.high.x, middle.y - b.high.y, middle.z - b.high.z, 0 };
+    vec3 low = vec_sub(b.low, tree->middle), high = vec_sub(tree->middle, b.high);
+    double side[] = { low.x, low.y, low.z, high.x, high.y, high.z };
+    float out[6];
 
-    for (int i = 0; i < LANES; i++) {
-        float f = (float)(side[i] * scale);
-        to->side[i] = f - (fabsf(f) * FLT_EPSILON + FLT_MIN);
+    for (int i = 0; i < 6; i++) {
+        float f = (float)(side[i] * tree->scale);
+        out[i] = f - (fabsf(f) * FLT_EPSILON + FLT_MIN);
     }
+    return (struct side) { { out[0], out[1], out[2] }, { out[3], out[4], out[5] } };
 }
 
-static struct ref ref_of(const struct source *s, uint32_t item)
+static struct ref ref_of(const struct side *s, uint32_t item)
 {
-    struct ref r = { .item = item, .weight = 1 };
+    return (struct ref) { { { s->low[0], s->low[1], s->low[2], 0, s->high[0], s->high[1], s->high[2], 0 } },
+                          item, 1 };
+}
 
-    set_side(&r.box, s->box(s->of, item), s->tree->middle, s->tree->scale);
-    return r;
+static double middle_along(const struct side *s, int axis)
+{
+    return 0.5 * ((double)s->low[axis] - (double)s->high[axis]);
 }
 
 static vec3 middle_of(const void *of, uint32_t item)
 {
-    const struct source *s = of;
-    struct bounds b = s->box(s->of, item);
-    vec3 m = s->tree->middle;
+    const struct side *s = (const struct side *)of + item;
 
-    return vec_scale(vec_add(vec_sub(b.low, m), vec_sub(b.high, m)), s->tree->scale / 2);
+    return vec(middle_along(s, 0), middle_along(s, 1), middle_along(s, 2));
 }
 
 /* Some cells that follow each other, and the small trees that they become:
  * a node of the part's, or a leaf where there is no more than that. */
 struct part {
-    struct builder builder;
     struct arena mem;
+    struct bvh_node *node;
+    size_t n_node;
     const struct cell *cell;
     size_t n;
     struct ref *whole;                  /* of each cell: its box and weight */
     uint32_t *root;
 };
 
+/* What a thread builds its parts in, one after the other. */
+struct yard {
+    struct arena mem;
+    struct builder builder;
+};
+
 struct parts {
-    const struct source *source;
+    const struct side *side;
     uint32_t *item;
     unsigned leaf_size, enough;
     struct arena *mem;
+    struct yard *yard;                  /* of each thread */
+    uint32_t most;                      /* that a cell holds */
     struct part *part;
     size_t n;
 };
 
-static uint32_t most_in_a_cell(const struct part *p)
+static void build_cell(const struct parts *all, struct builder *b, struct part *p, size_t i)
 {
-    uint32_t most = 0;
-
-    for (size_t i = 0; i < p->n; i++)
-        most = p->cell[i].n > most ? p->cell[i].n : most;
-    return most;
-}
-
-static void build_cell(const struct parts *all, struct part *p, size_t i)
-{
-    struct builder *b = &p->builder;
     struct cell c = p->cell[i];
     struct range whole = { .n = c.n };
 
     for (uint32_t k = 0; k < c.n; k++)
-        b->ref[k] = ref_of(all->source, all->item[c.first + k]);
+        b->ref[k] = ref_of(&all->side[all->item[c.first + k]], all->item[c.first + k]);
     range_measure(&whole, b->ref);
     p->whole[i] = (struct ref) { whole.box, 0, whole.weight };
     b->offset = c.first;
@@ -208,20 +208,40 @@ static void build_cell(const struct parts *all, struct part *p, size_t i)
         all->item[c.first + k] = b->ref[k].item;
 }
 
+static struct builder *builder_in(struct yard *y, const struct parts *all)
+{
+    struct builder *b = &y->builder;
+
+    if (!b->mem) {
+        arena_init(&y->mem, all->mem->budget);
+        *b = (struct builder) { .mem = &y->mem, .leaf_size = all->leaf_size, .enough = all->enough };
+        b->ref = arena_array(&y->mem, 2 * (size_t)all->most, sizeof *b->ref);
+        b->spare = b->ref + all->most;
+    }
+    b->n_node = 0;
+    return b;
+}
+
 static void build_part(void *arg, size_t i, unsigned worker)
 {
     const struct parts *all = arg;
     struct part *p = &all->part[i];
+    struct builder *b = builder_in(&all->yard[worker], all);
 
-    (void)worker;
-    arena_init(&p->mem, all->mem->budget);
-    size_t most = most_in_a_cell(p);
-    p->builder = (struct builder) { .mem = &p->mem, .leaf_size = all->leaf_size,
-                                   .enough = all->enough };
-    p->builder.ref = arena_array(&p->mem, 2 * most, sizeof *p->builder.ref);
-    p->builder.spare = p->builder.ref + most;
     for (size_t k = 0; k < p->n; k++)
-        build_cell(all, p, k);
+        build_cell(all, b, p, k);
+    arena_init(&p->mem, all->mem->budget);
+    p->node = arena_copy(&p->mem, b->node, b->n_node * sizeof *b->node);
+    p->n_node = b->n_node;
+}
+
+/* The small trees of all parts. */
+static void build_parts(struct parts *all, unsigned threads)
+{
+    all->yard = arena_array(all->mem, threads, sizeof *all->yard);
+    jobs_run(threads, all->n, build_part, all);
+    for (unsigned i = 0; i < threads; i++)
+        arena_free(&all->yard[i].mem);
 }
 
 static void cut_into_parts(struct parts *all, const struct cells *c)
@@ -237,6 +257,7 @@ static void cut_into_parts(struct parts *all, const struct cells *c)
             end = c->cell[i].first + PART;
         }
         all->part[all->n - 1].n++;
+        all->most = c->cell[i].n > all->most ? c->cell[i].n : all->most;
     }
 }
 
@@ -247,7 +268,7 @@ static void build_top(struct builder *top, const struct parts *all, size_t n_cel
 {
     struct range whole = { .n = (uint32_t)n_cell };
 
-    if (n_cell == 1 && all->part[0].builder.n_node > 0)
+    if (n_cell == 1 && all->part[0].n_node > 0)
         return;                         /* which is all of the tree */
     top->ref = arena_array(top->mem, 2 * n_cell, sizeof *top->ref);
     top->spare = top->ref + n_cell;
@@ -275,17 +296,17 @@ static void assemble(struct bvh *tree, const struct builder *top, struct parts *
     size_t n = top->n_node;
 
     for (size_t i = 0; i < all->n; i++)
-        n += all->part[i].builder.n_node;
+        n += all->part[i].n_node;
     tree->node = arena_alloc_aligned(mem, n * sizeof *tree->node, 64);
     tree->n_node = top->n_node;
     if (top->n_node)                    /* nothing: one part is the tree */
         memcpy(tree->node, top->node, top->n_node * sizeof *tree->node);
     for (size_t i = 0; i < all->n; i++) {
         struct part *p = &all->part[i];
-        place_part(tree->node + tree->n_node, p->builder.node, p->builder.n_node, (uint32_t)tree->n_node);
+        place_part(tree->node + tree->n_node, p->node, p->n_node, (uint32_t)tree->n_node);
         for (size_t k = 0; k < p->n; k++)
             p->root[k] += (uint32_t)tree->n_node;
-        tree->n_node += p->builder.n_node;
+        tree->n_node += p->n_node;
         arena_free(&p->mem);
     }
 }
@@ -319,35 +340,54 @@ static void measure(struct bvh *b, struct bounds all)
     b->half = vec_scale(half, b->scale);
 }
 
-static void begin(struct bvh *tree, const struct source *s, struct arena *mem)
+/* The boxes of the tree's items. */
+struct source {
+    struct bounds (*box)(const void *of, size_t i);
+    const void *of;
+};
+
+static struct bounds join_all(const struct source *s, size_t n)
 {
     struct bounds all = BOUNDS_EMPTY;
 
+    for (size_t i = 0; i < n; i++)
+        all = bounds_join(all, s->box(s->of, i));
+    return all;
+}
+
+static const struct side *begin(struct bvh *tree, const struct source *s, struct arena *mem,
+                                struct arena *scrap)
+{
+    struct side *side = arena_array(scrap, tree->n_item, sizeof *side);
+
+    measure(tree, tree->bounds);
     tree->item = arena_array(mem, tree->n_item, sizeof *tree->item);
     for (size_t i = 0; i < tree->n_item; i++) {
-        all = bounds_join(all, s->box(s->of, i));
+        side[i] = side_of(tree, s->box(s->of, i));
         tree->item[i] = (uint32_t)i;
     }
-    tree->bounds = all;
-    measure(tree, all);
+    return side;
 }
 
 void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, size_t i),
-               const void *of, unsigned leaf_size, unsigned enough, unsigned threads, struct arena *mem)
+               const void *of, const struct bounds *whole, unsigned leaf_size, unsigned enough,
+               unsigned threads, struct arena *mem)
 {
-    struct source source = { tree, box, of };
+    struct source source = { box, of };
     struct arena scrap;
 
     *tree = (struct bvh) { .n_item = n };
     if (n == 0)
         return;
-    begin(tree, &source, mem);
     arena_init(&scrap, mem->budget);
+    tree->bounds = whole ? *whole : join_all(&source, n);
     struct cells cells = { .mem = &scrap };
-    cells_make(&cells, tree->item, (uint32_t)n, n > UNDIVIDED ? CELL : UNDIVIDED, middle_of, &source);
-    struct parts all = { &source, tree->item, leaf_size, enough, &scrap, NULL, 0 };
+    struct parts all = { .leaf_size = leaf_size, .enough = enough, .mem = &scrap };
+    all.side = begin(tree, &source, mem, &scrap);
+    all.item = tree->item;
+    cells_make(&cells, tree->item, (uint32_t)n, n > UNDIVIDED ? CELL : UNDIVIDED, middle_of, all.side);
     cut_into_parts(&all, &cells);
-    jobs_run(threads, all.n, build_part, &all);
+    build_parts(&all, threads);
     struct builder top = { .mem = &scrap, .leaf_size = 1, .enough = 1 };
     build_top(&top, &all, cells.n);
     assemble(tree, &top, &all, mem);

@@ -133,7 +133,7 @@ static void make_boxes(struct csg *c, const struct finite *f, size_t n, struct a
 
 static void make_tree(struct csg *c, const struct finite *f, size_t n, struct arena *mem)
 {
-    bvh_build(&c->tree, n, part_bounds, f, PARTS_A_LEAF, 1, 1, mem);
+    bvh_build(&c->tree, n, part_bounds, f, NULL, PARTS_A_LEAF, 1, 1, mem);
     for (size_t i = 0; i < n; i++)
         c->tree.item[i] = f->part[c->tree.item[i]];
 }

@@ -22,6 +22,13 @@ struct context {
 
 struct list { uint32_t *item; size_t n, room; };
 
+/* What a space holds.  Each thing's bounds are worked out when it is added,
+ * and again for the tree: keeping them would take more memory than all else. */
+struct items {
+    struct list all, unbounded;         /* in the order in which they were added */
+    struct bounds whole;                /* of those that are bounded */
+};
+
 /* An instance's space, and for which look and flags it was made. */
 struct made_space {
     const void *children;
@@ -38,7 +45,7 @@ struct builder {
     struct share share;                 /* which children are placed how often */
     size_t room_leaf, room_instance, room_csg, room_space, n_made, room_made;
     struct made_space *made;
-    struct list *items;                 /* of the space under construction */
+    struct items *items;                /* of the space under construction */
     uint32_t space;                     /* its number */
     const struct mesh_tree **mesh_tree;
     const struct mesh **mesh;
@@ -52,10 +59,28 @@ struct builder {
 
 /* --- small things ---------------------------------------------------------- */
 
+static bool bounds_are_finite(struct bounds b) { return vec_is_finite(b.low) && vec_is_finite(b.high); }
+
+static bool bounds_are_empty(struct bounds b)
+{
+    return !(b.low.x <= b.high.x && b.low.y <= b.high.y && b.low.z <= b.high.z);
+}
+
 static void list_add(struct builder *b, struct list *l, uint32_t item)
 {
     l->item = arena_grow(&b->scrap, l->item, l->n, &l->room, sizeof *l->item);
     l->item[l->n++] = item;
+}
+
+static void items_add(struct builder *b, uint32_t item, struct bounds bounds)
+{
+    struct items *to = b->items;
+
+    list_add(b, &to->all, item);
+    if (bounds_are_finite(bounds))
+        to->whole = bounds_join(to->whole, bounds);
+    else
+        list_add(b, &to->unbounded, item);
 }
 
 static bool mat_is_finite(const mat34 *m)
@@ -65,13 +90,6 @@ static bool mat_is_finite(const mat34 *m)
             if (!isfinite(m->m[i][j]))
                 return false;
     return true;
-}
-
-static bool bounds_are_finite(struct bounds b) { return vec_is_finite(b.low) && vec_is_finite(b.high); }
-
-static bool bounds_are_empty(struct bounds b)
-{
-    return !(b.low.x <= b.high.x && b.low.y <= b.high.y && b.low.z <= b.high.z);
 }
 
 /* The rounding of a point's way through both matrices: their condition
@@ -215,10 +233,10 @@ static const struct mesh_tree *mesh_of(struct builder *b, const struct mesh *m)
     return b->mesh_tree[b->n_mesh++];
 }
 
-/* The leaf of a shape or mesh whose context is c; NO_LEAF: there is nothing
- * to see. */
+/* The leaf of a shape or mesh whose context is c, and its bounds; NO_LEAF:
+ * there is nothing to see. */
 static uint32_t add_leaf(struct builder *b, const struct object *o, const struct context *c,
-                         uint32_t csg, bool is_silent)
+                         uint32_t csg, bool is_silent, struct bounds *bounds)
 {
     struct plan *p = b->plan;
     struct leaf l = { .placement = c->placement, .csg = csg, .mask = mask_of(c->flags),
@@ -232,7 +250,7 @@ static uint32_t add_leaf(struct builder *b, const struct object *o, const struct
     }
     if (!l.shape || (c->placement && (!mat_is_finite(&c->placement->place.to)
                                       || !mat_is_finite(&c->placement->place.from)))
-        || bounds_are_empty(leaf_bounds(&l))) {
+        || bounds_are_empty(*bounds = leaf_bounds(&l))) {
         b->n_empty++;
         return NO_LEAF;
     }
@@ -300,7 +318,8 @@ static struct bounds csg_leaf(struct csg_builder *c, const struct object *o,
                               const struct context *within_o, uint32_t parent, bool is_silent)
 {
     struct builder *b = c->b;
-    uint32_t number = add_leaf(b, o, within_o, c->number, is_silent);
+    struct bounds bounds;
+    uint32_t number = add_leaf(b, o, within_o, c->number, is_silent, &bounds);
 
     c->node[parent].n_child++;
     if (number == NO_LEAF) {            /* nothing, or inverted: everything */
@@ -310,7 +329,6 @@ static struct bounds csg_leaf(struct csg_builder *c, const struct object *o,
     }
     const struct leaf *l = &b->plan->leaf[number];
     bool is_solid = l->ops ? l->ops->is_solid : mesh_has_inside(l->mesh);
-    struct bounds bounds = leaf_bounds(l);
     struct csg_part part = { .leaf = number, .parent = parent, .is_silent = is_silent,
                              .alternates = is_solid && !is_leaky(l),
                              .is_infinite = !bounds_are_finite(bounds) };
@@ -424,14 +442,15 @@ static void add_csg(struct builder *b, const struct object *o, const struct cont
         .part = arena_copy(mem, c.part, c.n_part * sizeof *c.part),
         .at_rest = arena_copy(mem, c.at_rest, c.n_node * sizeof *c.at_rest),
         .surface_leaf = c.surface_leaf, .mask = mask_of(flags_within(outer, o)) };
-    list_add(b, b->items, item_of(ITEM_CSG, (uint32_t)g->n_csg++));
+    items_add(b, item_of(ITEM_CSG, (uint32_t)g->n_csg++), bounds);
 }
 
 /* --- instances ------------------------------------------------------------- */
 
 static void add_object(struct builder *b, const struct object *o, const struct context *outer);
 static uint32_t new_space(struct builder *b);
-static void finish_space(struct builder *b, uint32_t number, const struct list *items);
+static void finish_space(struct builder *b, uint32_t number, struct items *items);
+static struct bounds instance_bounds(const struct builder *b, const struct instance *i);
 
 static void add_children(struct builder *b, const struct object *o, const struct context *c)
 {
@@ -448,7 +467,7 @@ static uint32_t space_for(struct builder *b, const struct object *o, const struc
             && m->is_inherited == c->is_inherited)
             return m->space;
     }
-    struct list items = { 0 }, *outer_items = b->items;
+    struct items items = { .whole = BOUNDS_EMPTY }, *outer_items = b->items;
     uint32_t outer_space = b->space;
     b->items = &items;
     b->space = new_space(b);
@@ -491,10 +510,13 @@ static bool add_instance(struct builder *b, const struct object *o, const struct
     struct instance one = { *transform_of(c->placement), 1, 0, root, surface, mask_of(c->flags) };
     one.stretch = mat_norm(&one.place.to);
     one.fuzz = fuzz_of(&one.place);
+    struct bounds bounds = instance_bounds(b, &one);
+    if (bounds_are_empty(bounds))
+        return true;
     p->instance = arena_grow(&b->scrap, p->instance, p->n_instance, &b->room_instance,
                              sizeof *p->instance);
     p->instance[p->n_instance] = one;
-    list_add(b, b->items, item_of(ITEM_INSTANCE, (uint32_t)p->n_instance++));
+    items_add(b, item_of(ITEM_INSTANCE, (uint32_t)p->n_instance++), bounds);
     return true;
 }
 
@@ -520,9 +542,10 @@ static void add_object(struct builder *b, const struct object *o, const struct c
             add_children(b, o, &c);
         return;
     }
-    uint32_t leaf = add_leaf(b, o, &c, NO_LEAF, false);
+    struct bounds bounds;
+    uint32_t leaf = add_leaf(b, o, &c, NO_LEAF, false, &bounds);
     if (leaf != NO_LEAF)
-        list_add(b, b->items, item_of(ITEM_LEAF, leaf));
+        items_add(b, item_of(ITEM_LEAF, leaf), bounds);
 }
 
 /* --- spaces ---------------------------------------------------------------- */
@@ -546,25 +569,27 @@ static struct bounds space_bounds(const struct space *s)
     return (struct bounds) { vec_sub(s->tree.middle, half), vec_add(s->tree.middle, half) };
 }
 
-static struct bounds item_bounds(const struct builder *b, uint32_t item)
+static struct bounds instance_bounds(const struct builder *b, const struct instance *i)
 {
-    const struct plan *p = b->plan;
-    uint32_t number = item_number(item);
-
-    switch (item_kind(item)) {
-    case ITEM_LEAF: return leaf_bounds(&p->leaf[number]);
-    case ITEM_CSG:  return b->geometry->csg[number].bounds;
-    case ITEM_INSTANCE: break;
-    }
-    const struct instance *i = &p->instance[number];
     struct bounds in = space_bounds(&b->geometry->space[i->root]);
     struct bounds out = bounds_move(&in, &i->place);
     double pad = i->fuzz * larger(vec_largest(out.low), vec_largest(out.high));
     vec3 by = vec(pad, pad, pad);
+
     return (struct bounds) { vec_sub(out.low, by), vec_add(out.high, by) };
 }
 
-static struct bounds nth(const void *of, size_t i) { return ((const struct bounds *)of)[i]; }
+static struct bounds item_bounds(const struct builder *b, uint32_t item)
+{
+    uint32_t number = item_number(item);
+
+    switch (item_kind(item)) {
+    case ITEM_LEAF: return leaf_bounds(&b->plan->leaf[number]);
+    case ITEM_CSG:  return b->geometry->csg[number].bounds;
+    case ITEM_INSTANCE: break;
+    }
+    return instance_bounds(b, &b->plan->instance[number]);
+}
 
 /* A transform that is not a similarity gives a ball that is larger than need
  * be; mat_norm is sqrt 3 times the scale of one that is. */
@@ -717,8 +742,6 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
     struct few *f = arena_alloc(b->plan->mem, sizeof *f);
     for (size_t i = 0; i < items->n; i++) {
         struct bounds box = item_bounds(b, items->item[i]);
-        if (bounds_are_empty(box))
-            continue;
         struct candidate c = candidate_of(b, items->item[i], box);
         s->opaque |= (uint64_t)c.is_opaque << f->n;
         s->clear |= (uint64_t)c.is_clear << f->n;
@@ -729,37 +752,67 @@ static struct few *few_of(struct builder *b, const struct list *items, struct sp
     return f;
 }
 
-static void finish_space(struct builder *b, uint32_t number, const struct list *items)
+/* Both lists have the same order; the lists stay one where nothing is
+ * without bounds. */
+static void take_out_unbounded(struct items *items)
+{
+    struct list *all = &items->all;
+    size_t n = 0, k = 0;
+
+    if (items->unbounded.n == 0)
+        return;
+    for (size_t i = 0; i < all->n; i++) {
+        if (k < items->unbounded.n && all->item[i] == items->unbounded.item[k])
+            k++;
+        else
+            all->item[n++] = all->item[i];
+    }
+    all->n = n;
+}
+
+struct bounded { const struct builder *builder; const struct list *list; };
+
+static struct bounds nth(const void *of, size_t i)
+{
+    const struct bounded *b = of;
+
+    return item_bounds(b->builder, b->list->item[i]);
+}
+
+static struct candidate *candidates_of(const struct builder *b, const struct bvh *tree)
+{
+    struct candidate *c = arena_array(b->plan->mem, tree->n_item + 1, sizeof *c);
+
+    for (size_t i = 0; i < tree->n_item; i++)
+        c[i] = candidate_of(b, tree->item[i], item_bounds(b, tree->item[i]));
+    return c;
+}
+
+/* Balls or bricks, which hold the tree's items more tightly. */
+static void wrap_items(struct builder *b, struct bvh *tree, const struct list *items)
+{
+    if (mostly_balls(b, items))
+        bvh_add_balls(tree, item_ball, item_fetch, b, b->plan->mem);
+    else if (items->n > FEW)
+        bvh_add_bricks(tree, &(struct brick_source) { item_brick, item_fetch, b }, b->plan->mem);
+}
+
+static void finish_space(struct builder *b, uint32_t number, struct items *items)
 {
     enum { ITEMS_A_LEAF = 8, MOST_CANDIDATES = 1 << 14 };
-    struct list bounded = { 0 }, unbounded = { 0 };
-    struct bounds *bounds = arena_array(&b->scrap, items->n + 1, sizeof *bounds);
-    struct space s = { .n_unbounded = 0 };
+    struct list *bounded = &items->all, *unbounded = &items->unbounded;
+    struct space s = { .n_unbounded = unbounded->n };
 
-    for (size_t i = 0; i < items->n; i++) {
-        struct bounds one = item_bounds(b, items->item[i]);
-        if (bounds_are_empty(one))
-            continue;
-        if (bounds_are_finite(one))
-            bounds[bounded.n] = one;
-        list_add(b, bounds_are_finite(one) ? &bounded : &unbounded, items->item[i]);
-    }
-    bvh_build(&s.tree, bounded.n, nth, bounds, ITEMS_A_LEAF, 1, b->threads, b->plan->mem);
-    if (number == 0 && bounded.n <= MOST_CANDIDATES)
-        s.candidate = arena_array(b->plan->mem, bounded.n + 1, sizeof *s.candidate);
-    for (size_t i = 0; i < bounded.n; i++) {
-        uint32_t at = s.tree.item[i];
-        s.tree.item[i] = bounded.item[at];
-        if (s.candidate)
-            s.candidate[i] = candidate_of(b, bounded.item[at], bounds[at]);
-    }
-    if (mostly_balls(b, &bounded))
-        bvh_add_balls(&s.tree, item_ball, item_fetch, b, b->plan->mem);
-    else if (bounded.n > FEW)
-        bvh_add_bricks(&s.tree, &(struct brick_source) { item_brick, item_fetch, b }, b->plan->mem);
-    s.n_unbounded = unbounded.n;
-    s.unbounded = arena_copy(b->plan->mem, unbounded.item, unbounded.n * sizeof *unbounded.item);
-    s.few = few_of(b, items, &s);
+    s.few = few_of(b, &items->all, &s);
+    take_out_unbounded(items);
+    bvh_build(&s.tree, bounded->n, nth, &(struct bounded) { b, bounded }, &items->whole, ITEMS_A_LEAF,
+              1, b->threads, b->plan->mem);
+    for (size_t i = 0; i < bounded->n; i++)
+        s.tree.item[i] = bounded->item[s.tree.item[i]];
+    if (number == 0 && bounded->n <= MOST_CANDIDATES)
+        s.candidate = candidates_of(b, &s.tree);
+    wrap_items(b, &s.tree, bounded);
+    s.unbounded = arena_copy(b->plan->mem, unbounded->item, unbounded->n * sizeof *unbounded->item);
     b->geometry->space[number] = s;
 }
 
@@ -836,7 +889,7 @@ void geometry_build(struct plan *p, unsigned threads)
 {
     struct builder b = { .plan = p, .threads = threads };
     const struct scene *s = p->scene;
-    struct list items = { 0 };
+    struct items items = { .whole = BOUNDS_EMPTY };
 
     arena_init(&b.scrap, p->mem->budget);
     b.geometry = arena_alloc(p->mem, sizeof *b.geometry);
@@ -847,8 +900,8 @@ void geometry_build(struct plan *p, unsigned threads)
     for (size_t i = 0; i < s->n_object; i++)
         add_object(&b, s->object[i], &top);
     add_lamps(&b);
+    find_filled(&b, &items.all);
     finish_space(&b, 0, &items);
-    find_filled(&b, &items);
     settle(&b);
     b.geometry->space = arena_copy(p->mem, b.geometry->space,
                                    b.geometry->n_space * sizeof *b.geometry->space);

@@ -115,7 +115,7 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
     }
     struct mesh_tree *t = arena_alloc(mem, sizeof *t);
     t->mesh = m;
-    bvh_build(&t->tree, k.n, kept_bounds, &k, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
+    bvh_build(&t->tree, k.n, kept_bounds, &k, NULL, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
     t->bounds = t->tree.bounds;
     for (size_t i = 0; k.face && i < k.n; i++)
         t->tree.item[i] = k.face[t->tree.item[i]];
