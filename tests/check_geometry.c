@@ -1047,7 +1047,7 @@ END_TEST
 /* Unions of all that there is, planes excepted, some not seen by all rays. */
 static struct object *some_union(int n)
 {
-    struct object *child[8];
+    struct object *child[50];
 
     for (int i = 0; i < n; i++) {
         child[i] = i % 4 == 3 ? mesh_object(mesh_ball(2 + below(12), 0.4))
@@ -1068,7 +1068,7 @@ START_TEST(test_rays_to_copies_go_together_and_meet_what_each_meets_alone)
         int n_kind = round % 2 ? 6 : 2;
         double wide = round % 3 ? 8 : 3;
         for (int i = 0; i < n_kind; i++)
-            kind[i] = some_union(3 + below(6));
+            kind[i] = some_union(i == 0 ? 50 : 3 + below(6));       /* one with a tree */
         for (int i = 0; i < 1200; i++)
             scene_add(&scene, moved(kind[i % n_kind], turned(in_cube(180), i % 10 ? in_cube(wide) : vec(0, 0, 0))));
         struct plan *p = plan();

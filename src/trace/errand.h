@@ -8,7 +8,7 @@
 #include "trace/stream.h"
 #include "trace/world.h"
 
-enum { ERRANDS = 64, ERRAND_QUEUES = 8 };
+enum { ERRANDS = 128, ERRAND_QUEUES = 8 };
 
 struct errands {
     uint32_t root;                      /* the space */
@@ -24,12 +24,6 @@ struct post {
     uint8_t waiting[STREAM];            /* of each ray: how many of its errands wait */
 };
 
-/* Can an instance be asked so? */
-INLINE bool errand_suits(const struct plan *p, uint32_t number)
-{
-    return p->geometry->space[p->instance[number].root].few != NULL;
-}
-
 INLINE struct errands *post_queue(struct post *p, uint32_t root)
 {
     return &p->queue[root % ERRAND_QUEUES];
@@ -42,6 +36,12 @@ INLINE bool errands_have_room(const struct errands *e, uint32_t root)
 }
 
 void errands_add(struct errands *e, const struct instance *to, uint32_t number, int i, const struct ray *ray);
+
+INLINE struct ray errands_ray(const struct errands *e, int k)
+{
+    return (struct ray) { { e->column[0][k], e->column[1][k], e->column[2][k] },
+                          { e->column[3][k], e->column[4][k], e->column[5][k] } };
+}
 
 INLINE struct rays errands_rays(const struct errands *e)
 {

@@ -9,12 +9,12 @@ static void fill_up(double v[], int n)
         v[i] = v[n - 1];
 }
 
-static const struct few *few_of(const struct flock *f, const struct errands *e)
+static const struct space *space_of(const struct flock *f, uint32_t root)
 {
-    return f->search.plan->geometry->space[e->root].few;
+    return &f->search.plan->geometry->space[root];
 }
 
-/* ---- the nearest ---- */
+/* ---- the nearest in little ---- */
 
 static void keep_nearer(struct flock *f, int i, uint32_t instance, const struct meeting *m)
 {
@@ -31,7 +31,7 @@ static void keep_nearer(struct flock *f, int i, uint32_t instance, const struct 
 
 static void look_for_nearest(struct flock *f, const struct errands *e)
 {
-    const struct choice all = { .few = few_of(f, e) };
+    const struct choice all = { .few = space_of(f, e->root)->few };
     const struct rays rays = errands_rays(e);
     struct meeting met[ERRANDS];
     double far[ERRANDS];
@@ -47,11 +47,11 @@ static void look_for_nearest(struct flock *f, const struct errands *e)
         keep_nearer(f, e->ray[k], e->instance[k], &met[k]);
 }
 
-/* ---- what blocks light ---- */
+/* ---- what of little blocks light ---- */
 
 static void look_for_blockers(struct flock *f, const struct errands *e)
 {
-    const struct choice all = { few_of(f, e), UINT64_MAX, 0, 0 };
+    const struct choice all = { space_of(f, e->root)->few, UINT64_MAX, 0, 0 };
     const struct rays rays = errands_rays(e);
     uint64_t barrier[ERRANDS];
     double far[ERRANDS];
@@ -66,6 +66,86 @@ static void look_for_blockers(struct flock *f, const struct errands *e)
         }
 }
 
+/* ---- down a space's tree ---- */
+
+struct inner { struct flock *flock; const struct errands *errands; };
+
+/* The search of one errand: what it finds counts for its ray. */
+static struct search *inner_turn(const struct inner *in, int k)
+{
+    struct search *s = flock_turn(in->flock, in->errands->ray[k]);
+
+    s->ray = errands_ray(in->errands, k);
+    s->instance = in->errands->instance[k];
+    return s;
+}
+
+static void inner_meet(const struct inner *in, int k, const uint32_t item[], unsigned bits)
+{
+    struct flock *f = in->flock;
+    struct search *s = inner_turn(in, k);
+    int i = in->errands->ray[k];
+    double far;
+
+    s->mask = f->mask[i];
+    s->best = &f->out[i];
+    visit_nearest(s, item, bits, &far);
+    if (far < f->far[i]) {
+        flock_set_far(f, i, far);
+        stream_set_far(s->s->inner, k, far);
+    }
+}
+
+static void inner_block(const struct inner *in, int k, const uint32_t item[], unsigned bits)
+{
+    struct flock *f = in->flock;
+    struct search *s = inner_turn(in, k);
+    double far;
+
+    if (!visit_blocked(s, item, bits, &far))
+        return;
+    *f->last = (struct blocker) { s->best->leaf, s->best->instance, true };
+    flock_block(f, in->errands->ray[k]);
+    stream_end(s->s->inner, k);
+}
+
+static void inner_visit(const struct inner *in, int k, const uint32_t item[], unsigned bits)
+{
+    struct flock *f = in->flock;
+
+    if (!f->barrier)
+        inner_meet(in, k, item, bits);
+    else if (f->barrier[in->errands->ray[k]] != BARRIER_OPAQUE)
+        inner_block(in, k, item, bits);
+}
+
+static void visit(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
+{
+    const struct inner *in = arg;
+    const uint32_t *item = space_of(in->flock, in->errands->root)->tree.item + first;
+
+    for (int k = 0; k < n; k++)
+        inner_visit(in, ray[k], item, bits[k]);
+}
+
+static void walk_space(struct flock *f, const struct errands *e)
+{
+    const struct space *space = space_of(f, e->root);
+    struct scratch *s = f->search.s;
+    struct inner in = { f, e };
+    const struct rays rays = errands_rays(e);
+    double far[ERRANDS];
+
+    for (size_t i = 0; i < space->n_unbounded; i++)
+        for (int k = 0; k < e->n; k++)
+            inner_visit(&in, k, &space->unbounded[i], 1);
+    for (int k = 0; k < e->n; k++)
+        far[k] = f->far[e->ray[k]];
+    stream_aim(s->inner, &space->tree, &rays, far);
+    stream_walk(s->inner, &space->tree, !f->barrier, visit, &in, &s->counts.box_tests);
+    f->search.instance = NO_INSTANCE;
+}
+
 /* ---- the queues ---- */
 
 static void run(struct flock *f, struct errands *e)
@@ -74,7 +154,7 @@ static void run(struct flock *f, struct errands *e)
 
     if (e->n == 0)
         return;
-    (f->barrier ? look_for_blockers : look_for_nearest)(f, e);
+    (!space_of(f, e->root)->few ? walk_space : f->barrier ? look_for_blockers : look_for_nearest)(f, e);
     for (int k = 0; k < e->n; k++)
         post->waiting[e->ray[k]]--;
     e->n = 0;
@@ -116,12 +196,13 @@ static void send(struct flock *f, int i, uint32_t number, const struct instance 
 }
 
 /* A ray whose errands wait goes too far, as what it meets is not known yet: of
- * the nearest, few may wait. */
-static bool must_wait_no_longer(const struct flock *f, int i)
+ * the nearest, few may wait, and fewer where much is placed. */
+static bool must_wait_no_longer(const struct flock *f, int i, uint32_t root)
 {
-    enum { MOST_WAITING = 6 };
+    enum { MOST_WAITING = 6, MOST_TO_TREES = 4 };
+    int most = space_of(f, root)->few ? MOST_WAITING : MOST_TO_TREES;
 
-    return !f->barrier && f->search.s->post->waiting[i] >= MOST_WAITING;
+    return !f->barrier && f->search.s->post->waiting[i] >= most;
 }
 
 static void send_all(struct flock *f, uint32_t number, int bit, const uint8_t ray[], uint8_t bits[], int n)
@@ -135,7 +216,7 @@ static void send_all(struct flock *f, uint32_t number, int bit, const uint8_t ra
         bits[k] &= (uint8_t)~(1u << bit);
         if (!(to->mask & (f->barrier ? RAY_SHADOW : f->mask[i])))
             continue;
-        if (must_wait_no_longer(f, i))
+        if (must_wait_no_longer(f, i, to->root))
             run_all(f);
         send(f, i, number, to);
     }
@@ -149,9 +230,8 @@ void flock_send(struct flock *f, const uint32_t item[], const uint8_t ray[], uin
         any |= bits[k];
     for (; any; any &= any - 1) {
         int bit = __builtin_ctz(any);
-        uint32_t number = item_number(item[bit]);
-        if (item_kind(item[bit]) == ITEM_INSTANCE && errand_suits(f->search.plan, number))
-            send_all(f, number, bit, ray, bits, n);
+        if (item_kind(item[bit]) == ITEM_INSTANCE)
+            send_all(f, item_number(item[bit]), bit, ray, bits, n);
     }
 }
 
