@@ -326,6 +326,9 @@ branch_rest: ELSEIF condition items { $$ = branch(p, @1, 'i', $2, $3); }
     ;
 target_in_parens: '(' target close_paren    { $$ = of_one(p, $2); }
     | '(' no_name close_paren       { $$ = of_one(p, word_node(p, @2, $2)); }
+    | '(' NUMBER close_paren        { $$ = of_one(p, ast_new(p, AST_NUMBER, @2)); }
+    | '(' CONSTANTS close_paren     { $$ = of_one(p, $2); }
+    | '(' TEXT close_paren          { $$ = of_one(p, $2); }
     | error                         { $$ = take(ast_list(p, @1), p); }
     ;
 no_name: word | CONSTANT | FUNCTION | ARRAY;

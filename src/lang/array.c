@@ -24,10 +24,12 @@ size_t array_size(const void *array, int dimension)
 
 /* --- sharing -------------------------------------------------------------------- */
 
-void value_share(const struct value *v)
+void value_keep(struct value *v)
 {
     if (v->type == VALUE_ARRAY)
         ((struct array *)v->thing)->owner = NULL;
+    if (value_is_number(v))
+        v->rest = REST_NONE;
 }
 
 /* The array in a variable, with no other variable looking at it. */
@@ -40,7 +42,7 @@ static struct array *own_array(struct lang *l, struct value *variable)
     struct array *a = arena_copy(l->mem, shared, sizeof *a);
     a->item = arena_copy(l->mem, shared->item, shared->n * sizeof *a->item);
     for (size_t i = 0; i < a->n; i++)
-        value_share(&a->item[i]);
+        value_keep(&a->item[i]);
     a->owner = variable;
     variable->thing = a;
     return a;
@@ -165,12 +167,13 @@ static bool same_type(const struct value *a, const struct value *b)
     return a->type == b->type;
 }
 
-static const struct value *any_item(const struct array *a)
+static bool may_become(struct lang *l, const struct ast *node, const struct value *old)
 {
-    for (size_t i = 0; i < a->n; i++)
-        if (a->item[i].type != VALUE_NONE)
-            return &a->item[i];
-    return NULL;
+    if (old->type != VALUE_FUNCTION)
+        return true;
+    diag_error(l->diag, node->at, "this element of '%s' is a function already: it needs #undef "
+               "before", node->name->text);
+    return false;
 }
 
 void array_assign(struct lang *l, const struct ast *node, const struct value *v)
@@ -178,24 +181,64 @@ void array_assign(struct lang *l, const struct ast *node, const struct value *v)
     size_t at = 0;
     struct array *a = holder(l, node, &at);
 
-    if (!a)
+    if (!a || !may_become(l, node, &a->item[at]))
         return;
-    const struct value *like = a->item[at].type != VALUE_NONE ? &a->item[at]
-        : a->type != VALUE_NONE ? any_item(a) : NULL;
-    if (like && !same_type(like, v)) {
+    if (a->like.type != VALUE_NONE && !same_type(&a->like, v)) {
         diag_error(l->diag, node->at, "'%s' is an array of %ss: its elements cannot be a %s",
-                   node->name->text, value_name(like), value_name(v));
+                   node->name->text, value_name(&a->like), value_name(v));
         return;
     }
-    a->type = v->type;
-    a->item[at] = *v;
+    a->like = a->item[at] = *v;
+}
+
+void array_undef(struct lang *l, const struct ast *node)
+{
+    struct value *v = array_place(l, node);
+
+    if (!v)
+        return;
+    if (v->type == VALUE_NONE)
+        diag_error(l->diag, node->at, "this element of '%s' was never set", node->name->text);
+    v->type = VALUE_NONE;
+}
+
+static bool is_below_zero(struct lang *l, const struct ast *subscript)
+{
+    double x;
+
+    return evaluate_number(l, subscript, "a number as subscript", &x) && x + slack < 0;
+}
+
+/* POV-Ray asks for one subscript for each dimension, and nothing stands below 0. */
+static bool has_item(struct lang *l, const struct ast *node)
+{
+    const struct value *v = variable_of(l, node);
+    const struct ast *subscript = node->args->first;
+    size_t at;
+
+    if (!v || !check_array(l, node, v))
+        return false;
+    for (const struct ast *s = subscript; s; s = s->next)
+        if (is_below_zero(l, s))
+            return false;
+    if (!offset(l, v->thing, node, &subscript, &at))
+        return false;
+    if (subscript)
+        diag_error(l->diag, subscript->at, "only the dimensions of '%s' itself can be asked for",
+                   node->name->text);
+    return ((const struct array *)v->thing)->item[at].type != VALUE_NONE;
 }
 
 bool array_is_defined(struct lang *l, const struct ast *node)
 {
-    if (node->kind == AST_INDEX)
-        return array_item(l, node, true);
-    return node->kind == AST_NAME && scope_find(node->name);
+    switch (node->kind) {
+    case AST_INDEX: return has_item(l, node);
+    case AST_NAME: return scope_find(node->name);
+    case AST_NUMBER: case AST_TEXT: case AST_CONSTANT: case AST_WORD: return false;
+    default:
+        diag_error(l->diag, node->at, "expected a name or an array's element alone");
+        return false;
+    }
 }
 
 /* --- making one ------------------------------------------------------------------------ */
@@ -255,13 +298,12 @@ static bool fill_one(struct filling *f, struct reader *r, int dimension)
     }
     if (!thing_value(l, r, &v))
         return false;
-    if (f->array->type != VALUE_NONE && !same_type(&f->array->item[0], &v)) {
+    if (f->array->like.type != VALUE_NONE && !same_type(&f->array->like, &v)) {
         diag_error(l->diag, reader_at(r), "the elements of an array have one type: %s, not %s",
-                   value_name(&f->array->item[0]), value_name(&v));
+                   value_name(&f->array->like), value_name(&v));
         return false;
     }
-    f->array->type = v.type;
-    f->array->item[f->at++] = v;
+    f->array->like = f->array->item[f->at++] = v;
     return true;
 }
 
@@ -271,14 +313,15 @@ static size_t fill_fast(struct filling *f, struct reader *r, size_t most)
     double part[PORTION];
     size_t n;
 
-    if (f->array->type != VALUE_NONE
-        && (f->array->type != VALUE_NUMBER || f->array->item[0].n != 1))
+    const struct value number = value_number(0);
+
+    if (f->array->like.type != VALUE_NONE && !same_type(&f->array->like, &number))
         return 0;
     n = reader_bulk(r, 1, most < PORTION ? most : PORTION, part);
     for (size_t i = 0; i < n; i++)
         f->array->item[f->at++] = value_number(part[i]);
     if (n)
-        f->array->type = VALUE_NUMBER;
+        f->array->like = number;
     return n;
 }
 

@@ -14,7 +14,7 @@ struct array {
     size_t size[ARRAY_MOST_DIMENSIONS];
     size_t n;                           /* items in all */
     struct value *item;                 /* VALUE_NONE: never set */
-    enum value_type type;               /* of the items that are set */
+    struct value like;                  /* its type is that of all items; VALUE_NONE: none was set yet */
     const struct value *owner;          /* the variable that alone refers to it, or NULL */
 };
 
@@ -34,10 +34,13 @@ struct value *array_place(struct lang *l, const struct ast *node);
 /* NAME [i] [j] = v */
 void array_assign(struct lang *l, const struct ast *node, const struct value *v);
 
+/* #undef NAME [i] [j] */
+void array_undef(struct lang *l, const struct ast *node);
+
 /* Is a name, or an element, declared? */
 bool array_is_defined(struct lang *l, const struct ast *node);
 
 /* A value that is copied is shared from now on. */
-void value_share(const struct value *v);
+void value_keep(struct value *v);
 
 #endif

@@ -38,6 +38,13 @@ bool ast_is_value(const struct ast *a)
     return a->kind >= AST_NUMBER && a->kind <= AST_CONDITION && a->kind != AST_TAIL;
 }
 
+const struct ast *ast_leftmost(const struct ast *a)
+{
+    while (a->kind == AST_BINARY || a->kind == AST_MEMBER || a->kind == AST_CONDITION)
+        a = a->left;
+    return a;
+}
+
 /* A list of values with at most one comma between them becomes plain: the
  * commas go, flags keep what they said.  A call may be a macro, which leaves
  * anything behind: not plain. */
@@ -57,7 +64,7 @@ static bool is_plain(const struct ast *list)
 struct ast *ast_pack(struct ast *list)
 {
     struct ast *from = list->first;
-    bool had_comma = true, all = true;
+    bool had_comma = true, all = true, before = false;
 
     if (!is_plain(list))
         return list;
@@ -71,12 +78,15 @@ struct ast *ast_pack(struct ast *list)
             continue;
         }
         all = all && had_comma;
+        before = had_comma;
         had_comma = false;
         list->n += list->n < UINT16_MAX;
         ast_add(list, from);
     }
     if (all)
         list->flags |= AST_ALL_COMMAS;
+    if (before)
+        list->flags |= AST_COMMA_BEFORE;
     if (had_comma && list->first)
         list->flags |= AST_LAST_COMMA;
     return list;

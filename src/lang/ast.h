@@ -80,6 +80,7 @@ enum {
     AST_SEMI = 1 << 4,          /* a declaration that ended with ';' */
     AST_CLOSED = 1 << 5,        /* a block whose closing brace was found */
     AST_FATAL = 1 << 6,         /* an error behind which nothing makes sense */
+    AST_COMMA_BEFORE = 1 << 7,  /* of a plain list: a comma stood before the last */
 };
 
 struct ast_bulk {
@@ -123,5 +124,6 @@ enum { AST_OP_LE = 'l', AST_OP_GE = 'g', AST_OP_NE = 'n' };
 enum { AST_GRAY = 8, AST_GREY };      /* .grey: in functions only */
 
 bool ast_is_value(const struct ast *a);
+const struct ast *ast_leftmost(const struct ast *a);    /* the operand that an expression begins with */
 
 #endif

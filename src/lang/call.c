@@ -120,8 +120,11 @@ static void call_max(struct arguments *a, struct value *out)
 
 static void call_select(struct arguments *a, struct value *out)
 {
+    const struct ast *list = a->node->args;
     double x = arg(a, 0);
 
+    if (a->n == 4 && list->flags & AST_PLAIN && !(list->flags & AST_COMMA_BEFORE))
+        refuse(a, "a comma must stand before the fourth argument");
     one(out, x < 0 ? arg(a, 1) : x == 0 || a->n == 3 ? arg(a, 2) : arg(a, 3));
 }
 
@@ -197,10 +200,11 @@ static void call_vnormalize(struct arguments *a, struct value *out)
 {
     vec3 p = point(a, 0);
     double length = vec_length(p);
+    bool is_zero = p.x == 0 && p.y == 0 && p.z == 0;
 
-    if (length == 0)
+    if (is_zero)
         diag_warning(a->l->diag, a->node->at, "vnormalize of a zero vector");
-    three(out, length == 0 ? p : vec(p.x / length, p.y / length, p.z / length));
+    three(out, is_zero ? p : vec(p.x / length, p.y / length, p.z / length));
 }
 
 static void call_vrotate(struct arguments *a, struct value *out)
@@ -488,6 +492,7 @@ static bool quick(struct lang *l, const struct call *call, const struct ast *lis
         b.type = out->type;
         b.n = out->n;
     }
+    out->rest = REST_NONE;
     if (is_one_number(out) && is_one_number(&b)) {
         out->v[0] = call->of_one ? call->of_one(out->v[0]) : call->of_two(out->v[0], b.v[0]);
         return true;

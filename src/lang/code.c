@@ -77,7 +77,7 @@ static void run(const struct machine *m, const struct code *code, size_t n_code)
         case CODE_ADD: EACH(r[i] + s[i]);
         case CODE_SUB: EACH(r[i] - s[i]);
         case CODE_MUL: EACH(r[i] * s[i]);
-        case CODE_DIV: EACH(s[i] == 0 ? HUGE_VAL : r[i] / s[i]);
+        case CODE_DIV: EACH(r[i] / s[i]);
         case CODE_LT: EACH(r[i] < s[i]);
         case CODE_LE: EACH(r[i] <= s[i]);
         case CODE_EQ: EACH(r[i] == s[i]);

@@ -9,7 +9,8 @@
 #include "math/internal.h"
 
 enum operation {
-    CODE_NUMBER, CODE_MOVE,                     /* to = number; to = register from */
+    CODE_NUMBER, CODE_MOVE,                     /* to = number (count: no parentheses around it);
+                                                   to = register from */
     CODE_ADD, CODE_SUB, CODE_MUL, CODE_DIV,     /* to = to op to + 1 */
     CODE_LT, CODE_LE, CODE_EQ, CODE_NE, CODE_GE, CODE_GT, CODE_AND, CODE_OR,
     CODE_MIN, CODE_MAX,
@@ -52,7 +53,7 @@ struct function {
     struct loc at;
 };
 
-enum { MOST_PARAMETERS = 55, MOST_COMPONENTS = 5 };
+enum { MOST_PARAMETERS = 55 };
 
 /* Components at one point, while the scene is read. */
 void function_run(const struct function *f, const double *arguments, double *out);

@@ -71,7 +71,7 @@ bool thing_value(struct lang *l, struct reader *r, struct value *out)
     case ITEM_WORD: return word_value(l, r, out);
     case ITEM_VALUE:
         *out = reader_next(r).value;
-        value_share(out);
+        value_keep(out);
         return true;
     case ITEM_BLOCK:
         item = reader_next(r);
@@ -104,11 +104,25 @@ static bool has_splice(const struct ast *a)
     }
 }
 
+/* POV-Ray takes `t` for no beginning of a value; -t and (t) are. */
+static bool begins_well(struct lang *l, const struct ast *a)
+{
+    if (!ast_is_value(a))
+        return true;
+    const struct ast *first = ast_leftmost(a);
+    if (first->kind != AST_CONSTANT || !word_is(first->word, "t"))
+        return true;
+    diag_error(l->diag, first->at, "'t' cannot begin a value here; (t) can");
+    return false;
+}
+
 /* POV-Ray expands nothing behind an operator or `color` of a declaration. */
 static bool may_declare(struct lang *l, const struct ast *list)
 {
     const struct ast *a = list->first;
 
+    if (!begins_well(l, a))
+        return false;
     if ((a->kind == AST_BINARY && !strchr("+-*/", a->op)) || a->kind == AST_CONDITION)
         diag_error(l->diag, a->at, "a comparison, '&', '|' or '?' needs parentheses around it here");
     else if (ast_is_value(a) && a->flags & AST_HAS_CALL && has_splice(a))
@@ -131,7 +145,7 @@ bool declared_value(struct lang *l, const struct ast *list, struct value *out, b
 
     if (list->flags & AST_PLAIN && list->n == 1) {
         evaluate(l, list->first, out);
-        value_share(out);
+        value_keep(out);
         return true;
     }
     reader_open(&r, l, list);
@@ -189,6 +203,7 @@ static bool check_marks(struct lang *l, const struct ast *node)
     return node->target;
 }
 
+/* The name as it is seen, a #local's too. */
 static bool may_replace(struct lang *l, const struct ast *node, const struct value *old,
                         const struct value *new)
 {
@@ -219,10 +234,10 @@ static void mark(struct lang *l, struct binding *b, const struct ast *node)
 static void assign_name(struct lang *l, const struct ast *node, struct value *v)
 {
     struct binding *old = scope_find(node->target->name);
-    struct binding *b = scope_declare(l, node->target->name, node->op == 'l', node->target->at);
 
-    if (old == b && !may_replace(l, node, b->value, v))
+    if (old && !may_replace(l, node, old->value, v))
         return;
+    struct binding *b = scope_declare(l, node->target->name, node->op == 'l', node->target->at);
     if (node->marks)
         mark(l, b, node);
     else if (b->deprecated)
@@ -422,7 +437,14 @@ static void start_for(struct lang *l, const struct ast *node)
         diag_error(l->diag, node->args->first->at, "%s", node->args->first->text);
     if (!for_numbers(l, node, v))
         return;
-    struct binding *b = scope_declare(l, node->name, true, node->at);
+    struct binding *b = scope_find(node->name);
+    if (b && (b->value->type == VALUE_FUNCTION || b->value->type == VALUE_MACRO
+              || b->value->type == VALUE_FILE)) {
+        diag_error(l->diag, node->at, "'%s' is a %s already: it cannot count a loop",
+                   node->name->text, value_name(b->value));
+        return;
+    }
+    b = scope_declare(l, node->name, true, node->at);
     *b->value = value_number(v[0]);
     struct frame *f = frame_push(l, FRAME_FOR, node->body, node);
     f->end = v[1];
@@ -454,7 +476,8 @@ bool frame_end(struct lang *l)
 
 /* --- #switch ----------------------------------------------------------------------- */
 
-static bool matches(struct lang *l, const struct ast *label, double x)
+/* A label that execution falls into says its mistakes, too. */
+bool label_matches(struct lang *l, const struct ast *label, double x)
 {
     struct values list;
     double v;
@@ -470,26 +493,46 @@ static bool matches(struct lang *l, const struct ast *label, double x)
     return x >= list.item[0].value.v[0] && x <= list.item[1].value.v[0];
 }
 
-/* Directives may stand before the first label: they are carried out. */
-static void start_switch(struct reader *r, const struct ast *node)
+static bool say_no_label(struct lang *l, struct loc at)
 {
-    struct lang *l = r->lang;
-    const struct ast *a = node->body->first;
+    diag_error(l->diag, at, "#case or #range must follow #switch ( )");
+    return false;
+}
+
+/* Directives and macros may stand before the first label: they are carried out. */
+static bool begin_switch(struct lang *l, const struct ast *from, const struct ast *label)
+{
+    struct ast list = { .kind = AST_LIST, .at = from->at };
+    struct reader r;
+
+    for (const struct ast *a = from; a != label; a = a->next) {
+        struct ast *copy = arena_copy(l->mem, a, sizeof *a);
+        copy->next = NULL;
+        ast_add(&list, copy);
+    }
+    reader_start(&r, l, &list);
+    const struct ast *a = reader_step(&r);
+    reader_close(&r);
+    return !a || say_no_label(l, a->at);
+}
+
+static void start_switch(struct lang *l, const struct ast *node)
+{
+    const struct ast *a = node->body->first, *first = a;
     double x;
 
     if (!evaluate_number(l, node->args, "a number", &x))
         return;
-    for (; a && (a->kind != AST_CASE || !a->args); a = a->next) {
-        if (a->kind < AST_DECLARE || a->kind == AST_CASE) {
-            diag_error(l->diag, a->at, "#case or #range must follow #switch ( )");
-            return;
-        }
-        direct(r, a);
+    while (a && a->kind != AST_CASE)
+        a = a->next;
+    if (!a || !a->args) {
+        say_no_label(l, a ? a->at : node->at);
+        return;
     }
-    if (!a)
-        diag_error(l->diag, node->at, "this #switch has no #case");
+    if (a != first && !begin_switch(l, first, a))
+        return;
     for (; a; a = a->next)
-        if (a->kind == AST_CASE && matches(l, a, x)) {
+        if (a->kind == AST_CASE && label_matches(l, a, x)) {
             frame_push(l, FRAME_SWITCH, node->body, node)->next = a->next;
             return;
         }
@@ -554,9 +597,20 @@ static bool check_parameters(struct lang *l, const struct ast *node, int *n)
     return true;
 }
 
+static bool has_macros(struct lang *l, struct loc at)
+{
+    if (l->version < 310)
+        diag_error(l->diag, at, "there are no macros before #version 3.1; %g is set",
+                   l->version / 100.0);
+    return l->version >= 310;
+}
+
 static void define_macro(struct lang *l, const struct ast *node)
 {
     int n;
+
+    if (!has_macros(l, node->at))
+        return;
 
     if (node->args) {
         diag_error(l->diag, node->args->at, "%s", node->args->text);
@@ -734,10 +788,12 @@ static bool plain_arguments(struct lang *l, const struct ast *call, const struct
         argument->refers = NULL;
         if (by_reference(l, a, l->n_scope, argument))
             continue;
+        if (!begins_well(l, a))
+            return false;
         evaluate(l, a, &argument->value);
         if (argument->value.n == 5)
             settle(&argument->value);
-        value_share(&argument->value);
+        value_keep(&argument->value);
     }
     return errors == l->diag->errors;
 }
@@ -768,7 +824,7 @@ bool macro_call(struct lang *l, const struct ast *call)
         l->stopped = true;
         return false;
     }
-    if (say_unclosed(l, call->args))
+    if (say_unclosed(l, call->args) || !has_macros(l, call->at))
         return false;
     if (m->n > FEW)
         argument = arena_array(l->mem, (size_t)m->n, sizeof *argument);
@@ -787,11 +843,9 @@ static void undef(struct lang *l, const struct ast *node)
 {
     const struct ast *target = node->target;
 
-    if (target->kind == AST_INDEX) {
-        struct value *v = array_place(l, target);
-        if (v)
-            v->type = VALUE_NONE;
-    } else if (!scope_find(target->name))
+    if (target->kind == AST_INDEX)
+        array_undef(l, target);
+    else if (!scope_find(target->name))
         diag_warning(l->diag, target->at, "#undef of '%s', which is not declared",
                      target->name->text);
     else
@@ -801,7 +855,12 @@ static void undef(struct lang *l, const struct ast *node)
 static void set_version(struct lang *l, const struct ast *node)
 {
     struct value v;
+    const struct ast *first = ast_leftmost(node->right);
 
+    if (first->kind == AST_CALL && is_macro(first->name)) {
+        diag_error(l->diag, first->at, "a macro call behind #version needs parentheses");
+        return;
+    }
     evaluate(l, node->right, &v);
     if (v.type != VALUE_NUMBER || v.n != 1) {
         wrong_type(l, node->right->at, &v, "a number");
@@ -841,7 +900,7 @@ void direct(struct reader *r, const struct ast *node)
     case AST_IF: choose(l, node); return;
     case AST_WHILE: start_while(l, node); return;
     case AST_FOR: start_for(l, node); return;
-    case AST_SWITCH: start_switch(r, node); return;
+    case AST_SWITCH: start_switch(l, node); return;
     case AST_BREAK: frame_break(r, node); return;
     case AST_MACRO: define_macro(l, node); return;
     case AST_INCLUDE: include(l, node); return;

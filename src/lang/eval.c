@@ -89,12 +89,41 @@ static double operate(struct lang *l, struct loc at, int op, double a, double b)
 /* The smaller operand grows: a number into all components, a vector by zeros. */
 static void extend(struct value *v, int n)
 {
-    if (n <= v->n)
-        return;
     for (int i = v->n; i < n; i++)
         v->v[i] = v->n == 1 ? v->v[0] : 0;
     if (n > v->n)
-        v->n = n;
+        v->n = (int16_t)n;
+}
+
+static void fill(struct value *v)
+{
+    for (int i = v->n; i < MOST_COMPONENTS; i++)
+        v->v[i] = value_component(v, i);
+}
+
+/* The left operand is as wide as the place wants when it is a number or stands in
+ * parentheses: 3 + <1, 2> is <4, 5, 3> where three are wanted, <1, 2> + 3 is <4, 5, 0>. */
+static void mix(struct lang *l, struct loc at, int op, struct value *a, struct value *b)
+{
+    bool wide = a->rest == REST_WIDE || (a->n == 1 && a->rest == REST_NONE);
+    int n = a->n > b->n ? a->n : b->n;
+
+    fill(a);
+    extend(a, n);
+    b->rest = REST_NONE;
+    fill(b);
+    for (int i = 0; i < n; i++)
+        a->v[i] = operate(l, at, op, a->v[i], b->v[i]);
+    for (int i = n; wide && i < MOST_COMPONENTS; i++)
+        a->v[i] = op == '/' && b->v[i] == 0 ? HUGE_VAL : operate(l, at, op, a->v[i], b->v[i]);
+    if (wide)
+        a->rest = REST_WIDE;
+}
+
+/* Is there nothing behind the components that a place could ask for? */
+static bool is_usual(const struct value *a, const struct value *b)
+{
+    return a->rest == REST_NONE && (a->n > 1 || b->n > 2);
 }
 
 static void compare_texts(struct lang *l, struct loc at, int op, struct value *a,
@@ -125,10 +154,14 @@ void binary(struct lang *l, struct loc at, int op, struct value *a, const struct
         return;
     }
     other = *b;
-    extend(a, b->n);
-    extend(&other, a->n);
     if (other.type == VALUE_COLOUR)
         a->type = VALUE_COLOUR;
+    if (!is_usual(a, b)) {
+        mix(l, at, op, a, &other);
+        return;
+    }
+    extend(a, b->n);
+    extend(&other, a->n);
     for (int i = 0; i < a->n; i++)
         a->v[i] = operate(l, at, op, a->v[i], other.v[i]);
 }
@@ -140,10 +173,19 @@ void unary(struct lang *l, struct loc at, int op, struct value *v)
         harmless(v);
         return;
     }
-    for (int i = 0; i < v->n; i++)
+    for (int i = 0; i < (v->rest == REST_WIDE ? MOST_COMPONENTS : v->n); i++)
         v->v[i] = op == '-' ? -v->v[i] : op == '!' ? !is_true(v->v[i]) : v->v[i];
 }
 
+static double grey(const struct value *v)
+{
+    double blue = v->n > 2 ? v->v[2] : 0;
+
+    return 0.297 * v->v[0] + 0.589 * (v->n > 1 ? v->v[1] : 0) + 0.114 * blue;
+}
+
+/* The component replaces the first; the others stay: V.y is <V.y, V.y, V.z> where three
+ * are wanted. */
 void member(struct lang *l, const struct ast *a, struct value *v)
 {
     int index = a->index;
@@ -151,16 +193,23 @@ void member(struct lang *l, const struct ast *a, struct value *v)
     if (!value_is_number(v)) {
         wrong_type(l, a->at, v, "a vector or colour");
         harmless(v);
-    } else if (index >= AST_GRAY) {
-        double c[5] = { 0 };
-        memcpy(c, v->v, (size_t)v->n * sizeof *c);
-        *v = value_number(0.297 * c[0] + 0.589 * c[1] + 0.114 * c[2]);
-    } else if (index >= v->n) {
+        return;
+    }
+    fill(v);
+    if (index == AST_GREY)
+        diag_error(l->diag, a->at, "'.grey' can be used in function { } only; here it is '.gray'");
+    else if (index == AST_GRAY)
+        v->v[0] = grey(v);
+    else if (index >= v->n) {
         diag_error(l->diag, a->at, "a %s of %d component%s has no such component", value_name(v),
                    v->n, v->n == 1 ? "" : "s");
         harmless(v);
+        return;
     } else
-        *v = value_number(v->v[index]);
+        v->v[0] = v->v[index];
+    v->type = VALUE_NUMBER;
+    v->rest = REST_KEPT;
+    v->n = 1;
 }
 
 /* --- operands ---------------------------------------------------------------- */
@@ -211,6 +260,7 @@ static void eval_name(struct lang *l, const struct ast *a, struct value *out)
     if (v->type == VALUE_NUMBER && v->n == 1) {
         out->type = VALUE_NUMBER;
         out->n = 1;
+        out->rest = REST_NONE;
         out->v[0] = v->v[0];
         return;
     }
@@ -255,7 +305,7 @@ static void eval_vector(struct lang *l, const struct ast *a, struct value *out)
         }
         v.v[i] = list.item[i].value.v[0];
     }
-    v.n = n;
+    v.n = (int16_t)n;
     *out = v;
 }
 
@@ -268,6 +318,8 @@ static void eval_condition(struct lang *l, const struct ast *a, struct value *ou
     evaluate(l, a->third, &other);
     if (!value_is_number(&condition) || condition.n != 1)
         wrong_type(l, a->left->at, &condition, "a number before '?'");
+    else if (out->type == VALUE_TEXT || other.type == VALUE_TEXT)
+        diag_error(l->diag, a->at, "'?' and ':' choose between numbers, not texts");
     else if (!is_true(condition.v[0]))
         *out = other;
 }
@@ -307,12 +359,28 @@ static void eval_binary(struct lang *l, const struct ast *a, struct value *out)
                a->op, out, &right);
 }
 
-/* In parentheses a colour is five numbers like any others. */
+/* A text cannot stand in parentheses, as POV-Ray looks for a comparison behind it. */
+static void say_lone_text(struct lang *l, struct loc at, struct value *v)
+{
+    diag_error(l->diag, at, "a text in parentheses must be compared with another");
+    harmless(v);
+}
+
+/* In parentheses a colour is five numbers like any others, and what is too short for the
+ * place is made longer before it is used. */
 static void eval_paren(struct lang *l, const struct ast *a, struct value *out)
 {
     evaluate_one(l, a->args, "a value in the parentheses", out);
-    if (out->type == VALUE_COLOUR)
-        out->type = VALUE_NUMBER;
+    if (out->type == VALUE_TEXT)
+        say_lone_text(l, a->at, out);
+    if (!value_is_number(out))
+        return;
+    out->type = VALUE_NUMBER;
+    out->rest = REST_NONE;
+    if (out->n == 1)
+        return;
+    fill(out);
+    out->rest = REST_WIDE;
 }
 
 static void eval(struct lang *l, const struct ast *a, struct value *out)
@@ -321,6 +389,7 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
     case AST_NUMBER:
         out->type = VALUE_NUMBER;
         out->n = 1;
+        out->rest = REST_NONE;
         out->v[0] = a->number;
         return;
     case AST_NAME: eval_name(l, a, out); return;
@@ -334,7 +403,8 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
     case AST_VECTOR: eval_vector(l, a, out); return;
     case AST_LITERAL:
         out->type = VALUE_NUMBER;
-        out->n = a->n;
+        out->n = (int16_t)a->n;
+        out->rest = REST_NONE;
         memcpy(out->v, a->v, sizeof out->v);
         return;
     case AST_INDEX: eval_index(l, a, out); return;

@@ -247,9 +247,10 @@ const char *lang_find_file(struct lang *l, struct loc at, const char *name,
     return file_find(l, at, name, extensions, what, false);
 }
 
+/* "" is the folder itself, as in POV-Ray. */
 bool file_exists(struct lang *l, struct loc at, const char *name)
 {
-    return file_find(l, at, name, NULL, "file", true);
+    return !*name || file_find(l, at, name, NULL, "file", true);
 }
 
 /* --- open files --------------------------------------------------------------------- */
@@ -525,15 +526,21 @@ static bool read_separator(struct lang *l, struct handle *h)
     return read_comma(h);
 }
 
+/* What is read takes the place of a number, vector or text; of any of these in an array. */
 static void store(struct lang *l, const struct ast *target, const struct value *v)
 {
-    if (target->kind == AST_NAME) {
-        struct binding *b = scope_find(target->name);
-        if (!b)
-            b = scope_declare_global(l, target->name, target->at);
-        *b->value = *v;
-    } else
-        array_assign(l, target, v);
+    struct value *place;
+
+    if (target->kind == AST_NAME && !scope_find(target->name))
+        place = scope_declare_global(l, target->name, target->at)->value;
+    else if (!(place = array_place(l, target)))
+        return;
+    else if (place->type != VALUE_NUMBER && place->type != VALUE_TEXT) {
+        diag_error(l->diag, target->at, "#read needs a new name, a number, a vector or a text; "
+                   "'%s' is %s", target->name->text, value_name(place));
+        return;
+    }
+    *place = *v;
 }
 
 void file_read(struct lang *l, const struct ast *node)

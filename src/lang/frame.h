@@ -46,6 +46,8 @@ void reader_resume(struct reader *r);
 
 void reader_start(struct reader *r, struct lang *l, const struct ast *list);
 
+bool label_matches(struct lang *l, const struct ast *label, double x);      /* of a #switch */
+
 /* Carries out a directive. */
 void direct(struct reader *r, const struct ast *node);
 

@@ -25,8 +25,7 @@ struct compiling {
     size_t room_code;
     const struct name *name[MOST_NAMES];    /* parameters, and counters of sum and prod */
     int reg[MOST_NAMES];
-    int n_name;
-    bool has_defaults;                      /* no list of parameters was given */
+    int n_name, n_parameter;
     int base;                               /* register of the slot 0 of the chain at work */
     bool failed;
 };
@@ -54,7 +53,29 @@ static struct code *emit(struct compiling *c, enum operation op, int to)
 
 static void emit_number(struct compiling *c, double x, int to)
 {
-    emit(c, CODE_NUMBER, to)->number = x;
+    struct code *code = emit(c, CODE_NUMBER, to);
+
+    code->number = x;
+    code->count = 1;
+}
+
+/* The last code, when it loads a constant that is not in parentheses. */
+static struct code *last_constant(const struct function *f, size_t before)
+{
+    struct code *code = f->n_code > before ? &f->code[f->n_code - 1 - before] : NULL;
+
+    return code && code->op == CODE_NUMBER && code->count ? code : NULL;
+}
+
+/* POV-Ray works out what stands between two constants, but not what is in parentheses. */
+static void enclose(struct function *f)
+{
+    struct code *code = last_constant(f, 0);
+
+    if (!code)
+        return;
+    code->count = 0;
+    code->number += 0.0;                /* -0 is kept as 0 */
 }
 
 /* --- chains: operators of one level of parentheses --------------------------- */
@@ -72,6 +93,8 @@ static void emit_unary(struct compiling *c, struct loc at, int op, int to)
 {
     if (op == '!')
         fail(c, at, "'!' cannot be used in a function");
+    else if (op == '-' && last_constant(c->f, 0))
+        last_constant(c->f, 0)->number *= -1;
     else if (op == '-')
         emit(c, CODE_NEG, to);
 }
@@ -101,12 +124,17 @@ static enum operation operation_of(int op)
     }
 }
 
+/* Two constants are worked out at once, where even 1/0 has a value. */
 static void emit_binary(struct compiling *c, struct loc at, int op, int to)
 {
-    struct function *f = c->f;
-    const struct code *last = f->n_code ? &f->code[f->n_code - 1] : NULL;
+    struct code *left = last_constant(c->f, 1), *right = last_constant(c->f, 0);
 
-    if (op == '/' && last && last->op == CODE_NUMBER && last->number == 0)
+    if (op == '/' && left && right) {
+        left->number /= right->number;
+        c->f->n_code--;
+        return;
+    }
+    if (op == '/' && right && right->number == 0)
         fail(c, at, "division by zero");
     emit(c, operation_of(op), to);
 }
@@ -145,13 +173,32 @@ static void compile_chain(struct compiling *c, const struct ast *a, const struct
 
 /* --- operands -------------------------------------------------------------------- */
 
-static int register_of(struct compiling *c, const struct name *name)
+/* x and u are one parameter, y and v another: the last in the list counts. */
+static char axis_of(const char *name)
 {
-    for (int i = c->n_name; i-- > 0;)
+    static const char names[] = "xyzuv";
+    const char *at = name[1] ? NULL : strchr(names, name[0]);
+
+    return !at ? 0 : at - names < 3 ? *at : at[-3];
+}
+
+static int axis_register(const struct compiling *c, char axis)
+{
+    int i = c->n_parameter - 1;
+
+    while (i >= 0 && axis_of(c->name[i]->text) != axis)
+        i--;
+    return i;
+}
+
+static int register_of(const struct compiling *c, const struct name *name)
+{
+    for (int i = c->n_name; i-- > c->n_parameter;)
         if (c->name[i] == name)
             return c->reg[i];
-    if (c->has_defaults && (strcmp(name->text, "u") == 0 || strcmp(name->text, "v") == 0))
-        return *name->text - 'u';       /* other names of the first two */
+    for (int i = 0; i < c->n_parameter; i++)
+        if (c->name[i] == name)
+            return c->reg[i];
     return -1;
 }
 
@@ -177,11 +224,19 @@ static void compile_name(struct compiling *c, const struct ast *a, int to)
 
 static void compile_constant(struct compiling *c, const struct ast *a, int to)
 {
-    int reg = register_of(c, a->name);
+    char axis = axis_of(a->name->text);
+    int reg = axis ? axis_register(c, axis) : -1;
     struct value v;
 
     if (reg >= 0) {
         emit(c, CODE_MOVE, to)->from = (uint16_t)reg;
+        return;
+    }
+    if (axis) {                         /* not among the parameters: 0 */
+        diag_warning(c->l->diag, a->at, "'%s' is no parameter of this function: it is 0",
+                     a->word->text);
+        emit_number(c, 0, to);
+        enclose(c->f);
         return;
     }
     if (!word_is(a->word, "pi") && !word_is(a->word, "clock")) {
@@ -412,7 +467,10 @@ static void compile(struct compiling *c, const struct ast *a, int to)
     case AST_NAME: compile_name(c, a, to); return;
     case AST_CONSTANT: compile_constant(c, a, to); return;
     case AST_INDEX: compile_name(c, a, to); return;
-    case AST_PAREN: compile_list(c, a->args, to); return;
+    case AST_PAREN:
+        compile_list(c, a->args, to);
+        enclose(c->f);
+        return;
     case AST_FUNC: compile_func(c, a, to); return;
     case AST_CALL: compile_call(c, a, -1, to); return;
     case AST_MEMBER: compile_member(c, a, to); return;
@@ -455,7 +513,6 @@ static void default_parameters(struct compiling *c)
 {
     static const char *const names[] = { "x", "y", "z" };
 
-    c->has_defaults = true;
     for (int i = 0; i < 3; i++)
         add_name(c, name_intern(&c->l->names, names[i], 1));
 }
@@ -622,7 +679,7 @@ bool function_make(struct lang *l, const struct ast *node, struct value *out)
         default_parameters(&c);
     if (!c.failed && !special_function(&c, node->body, node->params)
         && !internal_function(&c, node->body)) {
-        f->n_parameter = f->n_register = c.n_name;
+        f->n_parameter = f->n_register = c.n_parameter = c.n_name;
         compile_list(&c, node->body, c.n_name);
     }
     f->n_parameter = c.n_name;

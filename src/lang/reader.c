@@ -133,6 +133,7 @@ const struct ast *reader_step(struct reader *r)
             f->next = a->next;
             if (a->kind != AST_CASE)
                 return a;
+            label_matches(l, a, 0);
         }
     }
     return NULL;

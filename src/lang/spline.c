@@ -193,7 +193,8 @@ static bool read_knot(struct reader *r, struct spline *s)
         return false;
     }
     int n = i->value.n < 2 ? 2 : i->value.n;
-    value_components(&i->value, n, k.v);
+    for (int c = 0; c < n || (i->value.rest == REST_KEPT && c < MOST_COMPONENTS); c++)
+        k.v[c] = c == 1 && i->value.n == 1 ? i->value.v[0] : value_component(&i->value, c);
     s->n_component = n > s->n_component ? n : s->n_component;
     reader_next(r);
     insert(s, k);

@@ -10,7 +10,7 @@
 #include "lang/call.h"
 #include "lang/number.h"
 
-enum { NUMBER_ROOM = 400, FORMAT_MOST = 254 };
+enum { NUMBER_ROOM = 400, FORMAT_MOST = 254, LONGEST_NUMBER = 330 };
 
 /* --- characters ---------------------------------------------------------------- */
 
@@ -132,54 +132,62 @@ void call_concat(struct arguments *a, struct value *out)
     *out = (struct value) { .type = VALUE_TEXT, .text = { bytes, size } };
 }
 
-static int to_int(double x)
+static int clamp(double x, int least, int most)
 {
-    return x > -2147483648.0 && x < 2147483647.0 ? (int)x : 0;
+    return x > least ? x < most ? (int)x : most : least;
+}
+
+static int format_number(char *out, size_t size, char letter, int width, int digits, double x)
+{
+    char format[16];
+
+    snprintf(format, sizeof format, "%%%s*%s%c", width < 0 ? "0" : "", digits < 0 ? "" : ".*",
+             letter);
+    return digits < 0 ? snprintf(out, size, format, abs(width), x)
+        : snprintf(out, size, format, abs(width), digits, x);
 }
 
 /* %g when the text would be too long, as POV-Ray's buffer has it, and what it
  * says when that is no help. */
 static size_t print_number(char *out, double x, int width, int digits)
 {
-    char format[32];
-    int room = abs(width) > NUMBER_ROOM ? NUMBER_ROOM : abs(width);
+    int n = format_number(out, NUMBER_ROOM, 'f', width, digits, x);
 
-    if (digits > FORMAT_MOST)
-        digits = FORMAT_MOST;
-    snprintf(format, sizeof format, "%%%s*%s%s", width < 0 ? "0" : "", digits >= 0 ? ".*" : "",
-             "f");
-    int n = digits >= 0 ? snprintf(out, NUMBER_ROOM, format, room, digits, x)
-        : snprintf(out, NUMBER_ROOM, format, room, x);
-    if (n > FORMAT_MOST)
-        n = snprintf(out, NUMBER_ROOM, "%*g", room, x);
-    if (n > FORMAT_MOST)
+    if (n < 0 || n > FORMAT_MOST)
+        n = format_number(out, NUMBER_ROOM, 'g', width, digits, x);
+    if (n < 0 || n > FORMAT_MOST)
         n = snprintf(out, NUMBER_ROOM, "<invalid>");
     return (size_t)n;
 }
 
+enum { WIDEST = 1 << 24 };
+
 void call_str(struct arguments *a, struct value *out)
 {
     char text[NUMBER_ROOM];
-    size_t n = print_number(text, a->v[0].v[0], to_int(a->v[1].v[0]), to_int(a->v[2].v[0]));
+    size_t n = print_number(text, a->v[0].v[0], clamp(a->v[1].v[0], -WIDEST, WIDEST),
+                            clamp(a->v[2].v[0], -1, WIDEST));
 
     *out = text_of(a, text, n);
 }
 
+/* Its numbers are as long as they are. */
 void call_vstr(struct arguments *a, struct value *out)
 {
-    int n = to_int(a->v[0].v[0]), width = to_int(a->v[3].v[0]), digits = to_int(a->v[4].v[0]);
+    int n = clamp(a->v[0].v[0], 2, MOST_COMPONENTS);
+    int width = clamp(a->v[3].v[0], -WIDEST, WIDEST), digits = clamp(a->v[4].v[0], -1, WIDEST);
     const struct text *separator = &a->v[2].text;
     const struct value *v = &a->v[1];
+    size_t room = (size_t)abs(width) + (size_t)abs(digits) + LONGEST_NUMBER, used = 0;
 
-    n = n < 2 ? 2 : n > 5 ? 5 : n;
-    char *text = arena_alloc(a->l->mem, (size_t)n * (NUMBER_ROOM + separator->size) + 1);
-    size_t used = 0;
+    if (!fits(a, (size_t)n * (room - LONGEST_NUMBER + separator->size)))
+        return;
+    char *text = arena_alloc(a->l->mem, (size_t)n * (room + separator->size) + 1);
     for (int i = 0; i < n; i++) {
-        if (i) {
-            memcpy(text + used, separator->bytes, separator->size);
-            used += separator->size;
-        }
-        used += print_number(text + used, i < v->n ? v->v[i] : 0, width, digits);
+        memcpy(text + used, separator->bytes, i ? separator->size : 0);
+        used += i ? separator->size : 0;
+        double x = i < v->n || v->rest == REST_KEPT ? v->v[i] : 0;
+        used += (size_t)format_number(text + used, room, 'f', width, digits, x);
     }
     *out = (struct value) { .type = VALUE_TEXT, .text = { text, used } };
 }
@@ -214,13 +222,13 @@ void call_substr(struct arguments *a, struct value *out)
     double start = trunc(a->v[1].v[0]), count = trunc(a->v[2].v[0]);
 
     *out = text_of(a, "", 0);
-    if (!(start >= 1 || count == 0) || !(count >= 0) || start + count - 1 > (double)length(t)) {
+    if (!(start >= 0 || count == 0) || !(count >= 0) || start + count - 1 > (double)length(t)) {
         diag_error(a->l->diag, a->node->at,
                    "substr: characters %g to %g of a text of %zu", start, start + count - 1,
                    length(t));
         return;
     }
-    if (count == 0)
+    if (count == 0 || start == 0)
         return;
     const char *from = skip(t, (size_t)start - 1);
     struct text rest = { from, (size_t)(t->bytes + t->size - from) };

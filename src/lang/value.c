@@ -34,12 +34,19 @@ bool value_is_number(const struct value *v)
     return v->type == VALUE_NUMBER || v->type == VALUE_COLOUR;
 }
 
+double value_component(const struct value *v, int i)
+{
+    if (i < v->n || v->rest != REST_NONE)
+        return v->v[i];
+    return v->n == 1 ? v->v[0] : 0;
+}
+
 bool value_components(const struct value *v, int n, double *out)
 {
     if (!value_is_number(v) || v->n > n)
         return false;
     for (int i = 0; i < n; i++)
-        out[i] = v->n == 1 ? v->v[0] : i < v->n ? v->v[i] : 0;
+        out[i] = value_component(v, i);
     return true;
 }
 
@@ -57,7 +64,7 @@ int value_whole(double x)
 
 struct value value_vector(int n, const double *v)
 {
-    struct value value = { .type = VALUE_NUMBER, .n = n };
+    struct value value = { .type = VALUE_NUMBER, .n = (int16_t)n };
 
     for (int i = 0; i < n; i++)
         value.v[i] = v[i];

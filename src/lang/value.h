@@ -27,9 +27,21 @@ struct text {                           /* UTF-8 */
     size_t size;
 };
 
+/* POV-Ray knows how many components a place wants while it reads what stands there, and
+ * its arithmetic leaves the others as they were.  What would be found in them goes along,
+ * until a name or an element of an array takes the value. */
+enum value_rest {
+    REST_NONE,                          /* a number stands in all; a vector has zeros behind */
+    REST_KEPT,                          /* v holds all five: what a component was taken from */
+    REST_WIDE,                          /* v holds all five: as many as wanted count */
+};
+
+enum { MOST_COMPONENTS = 5 };
+
 struct value {
     enum value_type type;
-    int n;                              /* components of a number or colour */
+    int16_t n;                          /* components of a number or colour */
+    uint16_t rest;                      /* enum value_rest; of those behind */
     union {
         double v[5];
         struct text text;
@@ -41,5 +53,6 @@ struct value {
 const char *value_type_name(enum value_type type);      /* "pigment", "number" */
 const char *value_name(const struct value *v);          /* "vector" for several numbers */
 bool value_is_number(const struct value *v);            /* or colour: of any size */
+double value_component(const struct value *v, int i);   /* where more are wanted than there are */
 
 #endif
