@@ -52,7 +52,7 @@ static struct array *own_array(struct lang *l, struct value *variable)
 
 /* One subscript for each dimension; returns what comes behind them, which
  * belongs to an array in the array.  False: reported. */
-static bool offset(struct lang *l, const struct array *a, const struct ast *node,
+static bool offset(struct lang *l, const struct array *a, const struct ast *node, bool strict,
                    const struct ast **subscript, size_t *at)
 {
     *at = 0;
@@ -63,7 +63,8 @@ static bool offset(struct lang *l, const struct array *a, const struct ast *node
                        node->name->text, a->n_dimension);
             return false;
         }
-        if (!evaluate_number(l, *subscript, "a number as subscript", &x))
+        if (!(strict ? evaluate_condition : evaluate_number)(l, *subscript, "a number as subscript",
+                                                             &x))
             return false;
         if (!(floor(x + slack) >= 0) || !(floor(x + slack) < (double)a->size[d])) {
             const struct ast *said = (*subscript)->first;
@@ -113,7 +114,7 @@ const struct value *array_item(struct lang *l, const struct ast *node, bool quie
         if (!check_array(l, node, v))
             return NULL;
         const struct array *a = v->thing;
-        if (!offset(l, a, node, &subscript, &at))
+        if (!offset(l, a, node, false, &subscript, &at))
             return NULL;
         v = &a->item[at];
     }
@@ -136,7 +137,7 @@ struct value *array_place(struct lang *l, const struct ast *node)
     const struct ast *subscript = node->args->first;
     while (v && subscript) {
         size_t at;
-        if (!check_array(l, node, v) || !offset(l, v->thing, node, &subscript, &at))
+        if (!check_array(l, node, v) || !offset(l, v->thing, node, false, &subscript, &at))
             return NULL;
         v = &own_array(l, v)->item[at];
     }
@@ -151,7 +152,7 @@ static struct array *holder(struct lang *l, const struct ast *node, size_t *at)
     struct array *a = NULL;
 
     while (v && subscript) {
-        if (!check_array(l, node, v) || !offset(l, v->thing, node, &subscript, at))
+        if (!check_array(l, node, v) || !offset(l, v->thing, node, true, &subscript, at))
             return NULL;
         a = own_array(l, v);
         v = &a->item[*at];
@@ -221,7 +222,7 @@ static bool has_item(struct lang *l, const struct ast *node)
     for (const struct ast *s = subscript; s; s = s->next)
         if (is_below_zero(l, s))
             return false;
-    if (!offset(l, v->thing, node, &subscript, &at))
+    if (!offset(l, v->thing, node, false, &subscript, &at))
         return false;
     if (subscript)
         diag_error(l->diag, subscript->at, "only the dimensions of '%s' itself can be asked for",
@@ -252,7 +253,7 @@ static bool read_sizes(struct lang *l, const struct ast *node, struct array *a)
             diag_error(l->diag, s->at, "an array has at most %d dimensions", ARRAY_MOST_DIMENSIONS);
             return false;
         }
-        if (!evaluate_number(l, s, "a number as size", &x))
+        if (!evaluate_condition(l, s, "a number as size", &x))
             return false;
         if (!(x + slack >= 1)) {
             diag_error(l->diag, s->at, "an array's size is at least 1, not %g", x);
@@ -347,6 +348,7 @@ static bool fill(struct filling *f, const struct ast *list, int dimension)
     if (!is_simple(f->l, list))
         return false;
     reader_open(&r, f->l, list);
+    r.strict = true;
     while (fine && n < wanted) {
         size_t many = dimension + 1 == f->array->n_dimension ? fill_fast(f, &r, wanted - n) : 0;
         n += many;

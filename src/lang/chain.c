@@ -3,6 +3,26 @@
 
 #include "lang/frame.h"
 
+bool chain_is_interrupted(const struct reader *r)
+{
+    const struct lang *l = r->lang;
+
+    for (unsigned i = l->n_frame; i-- > r->base;) {
+        const struct frame *f = &l->frame[i];
+        if (f->next)
+            return f->next->kind >= AST_DECLARE;
+        if (i > r->base && f->kind >= FRAME_BRANCH && f->kind <= FRAME_SWITCH)
+            return true;                /* its #end */
+    }
+    return false;
+}
+
+void chain_say_interrupted(struct lang *l, struct loc at)
+{
+    diag_error(l->diag, at, "a directive cannot follow this value here, the #else or #end of one "
+               "neither; parentheses around all of it would do");
+}
+
 static int binding_strength(const struct chain *c, int op)
 {
     switch (op) {
@@ -20,7 +40,7 @@ void chain_start(struct chain *c, struct lang *l, const struct chain_ops *ops, v
     c->ops = ops;
     c->arg = arg;
     c->n_value = c->n_op = 0;
-    c->has_operand = c->failed = false;
+    c->has_operand = c->failed = c->strict = c->interrupted = false;
 }
 
 static void wrong(struct chain *c, struct loc at, const char *message)
@@ -48,10 +68,22 @@ static void apply_stronger(struct chain *c, int strength)
         apply(c);
 }
 
+/* A directive may follow a text that a comparison follows. */
+static bool say_if_interrupted(struct chain *c, struct loc at)
+{
+    if (!c->interrupted || c->ops->is_text(c, c->n_value - 1))
+        return false;
+    chain_say_interrupted(c->lang, at);
+    return c->failed = true;
+}
+
 static void push_op(struct chain *c, int op, bool is_unary, struct loc at)
 {
     if (c->failed)
         return;
+    if (say_if_interrupted(c, at))
+        return;
+    c->interrupted = false;
     if (!is_unary) {
         if (!c->has_operand) {
             wrong(c, at, "an operator without a left side");
@@ -92,7 +124,8 @@ static void add_list(struct chain *c, struct reader *r)
         if (a->kind < AST_NUMBER || a->kind > AST_SPLICE)
             wrong(c, a->at, "an expression cannot go on with this");
         chain_add(c, a);
-        if (c->failed)
+        c->interrupted = !c->failed && c->strict && c->has_operand && chain_is_interrupted(r);
+        if (c->failed || say_if_interrupted(c, a->at))
             return;
     }
     c->failed = c->failed || r->failed;
@@ -165,6 +198,10 @@ bool chain_end(struct chain *c, struct loc at)
 {
     if (!c->failed && !c->has_operand)
         wrong(c, at, "a value is missing in this expression");
+    if (!c->failed && c->interrupted) {
+        chain_say_interrupted(c->lang, at);
+        c->failed = true;
+    }
     while (!c->failed && c->n_op)
         apply(c);
     return !c->failed;

@@ -20,6 +20,7 @@ struct chain_ops {
     void (*unary)(struct chain *c, struct loc at, int op, int slot);
     void (*binary)(struct chain *c, struct loc at, int op, int slot);   /* slot and slot + 1 */
     void (*member)(struct chain *c, const struct ast *a, int slot);
+    bool (*is_text)(struct chain *c, int slot);     /* of strict chains */
     bool and_first;                     /* '&' binds tighter than '|': in functions */
 };
 
@@ -30,11 +31,17 @@ struct chain {
     struct { uint8_t op; bool is_unary; struct loc at; } op[CHAIN_MOST];
     int n_value, n_op;
     bool has_operand;                   /* an operator is due */
+    bool strict;                        /* no directive may follow an operand, as POV-Ray then reads none */
+    bool interrupted;                   /* one follows it */
     bool failed;
 };
 
 void chain_start(struct chain *c, struct lang *l, const struct chain_ops *ops, void *arg);
 void chain_add(struct chain *c, const struct ast *a);
+/* Is what a reader has come to a directive, or the end of one? */
+bool chain_is_interrupted(const struct reader *r);
+void chain_say_interrupted(struct lang *l, struct loc at);
+
 bool chain_end(struct chain *c, struct loc at);     /* false: reported */
 
 /* Adds all that a list leaves behind, as one expression. */

@@ -94,16 +94,6 @@ static bool take_semicolon(struct reader *r)
     return true;
 }
 
-static bool has_splice(const struct ast *a)
-{
-    switch (a->kind) {
-    case AST_SPLICE: return true;
-    case AST_UNARY: return has_splice(a->right);
-    case AST_BINARY: return has_splice(a->left) || has_splice(a->right);
-    default: return false;
-    }
-}
-
 /* POV-Ray takes `t` for no beginning of a value; -t and (t) are. */
 static bool begins_well(struct lang *l, const struct ast *a)
 {
@@ -116,7 +106,7 @@ static bool begins_well(struct lang *l, const struct ast *a)
     return false;
 }
 
-/* POV-Ray expands nothing behind an operator or `color` of a declaration. */
+/* POV-Ray expands no macro behind the `color` of a declaration. */
 static bool may_declare(struct lang *l, const struct ast *list)
 {
     const struct ast *a = list->first;
@@ -125,8 +115,6 @@ static bool may_declare(struct lang *l, const struct ast *list)
         return false;
     if ((a->kind == AST_BINARY && !strchr("+-*/", a->op)) || a->kind == AST_CONDITION)
         diag_error(l->diag, a->at, "a comparison, '&', '|' or '?' needs parentheses around it here");
-    else if (ast_is_value(a) && a->flags & AST_HAS_CALL && has_splice(a))
-        diag_error(l->diag, a->at, "a directive in this expression needs parentheses around both");
     else if (a->kind == AST_WORD && a->word->class == WORD_COLOUR && a->next
              && a->next->kind == AST_CALL && is_macro(a->next->name))
         diag_error(l->diag, a->next->at, "a macro call cannot follow '%s' in a declaration",
@@ -144,21 +132,22 @@ bool declared_value(struct lang *l, const struct ast *list, struct value *out, b
         return false;
 
     if (list->flags & AST_PLAIN && list->n == 1) {
-        evaluate(l, list->first, out);
+        evaluate_strictly(l, list->first, out);
         value_keep(out);
         return true;
     }
     reader_open(&r, l, list);
+    r.strict = true;
     bool fine = thing_value(l, &r, out);
+    if (fine && *semicolon && !value_is_number(out) && chain_is_interrupted(&r)) {
+        diag_error(l->diag, list->at, "no ';' can follow the directive that this value came from");
+        fine = false;
+    }
     if (fine && take_semicolon(&r))
         *semicolon = true;
     while (fine && out->type == VALUE_TEXTURE && item_is_block(reader_peek(&r), "texture")) {
         struct item layer = reader_next(&r);
         fine = build_value(l, layer.word, &layer, out);
-    }
-    if (fine && value_is_number(out) && list->first->kind >= AST_DECLARE) {
-        diag_error(l->diag, list->first->at, "a directive cannot bring the number that is declared");
-        fine = false;
     }
     if (fine && !r.failed && reader_peek(&r)->kind != ITEM_END) {
         diag_error(l->diag, reader_at(&r), "expected ';' at the end of the declaration, found %s",
@@ -286,7 +275,7 @@ static bool holds(struct lang *l, const struct ast *branch)
     if (!branch->args)
         return true;
     if (branch->op == 'i')
-        return evaluate_number(l, branch->args, "a number as condition", &x) && is_true(x);
+        return evaluate_condition(l, branch->args, "a number as condition", &x) && is_true(x);
     const struct ast *a = branch->args->first;
     if (a && a->kind == AST_ERROR) {
         diag_error(l->diag, a->at, "%s", a->text);
@@ -318,7 +307,7 @@ static bool while_holds(struct lang *l, const struct ast *node)
 {
     double x;
 
-    return evaluate_number(l, node->args, "a number as condition", &x) && is_true(x);
+    return evaluate_condition(l, node->args, "a number as condition", &x) && is_true(x);
 }
 
 /* Adds up the names that a condition asks for; false: it asks for more, such
@@ -485,7 +474,7 @@ bool label_matches(struct lang *l, const struct ast *label, double x)
     if (label->op == 'e')
         return true;
     if (label->op == 'c')
-        return evaluate_number(l, label->args, "a number", &v) && is_equal(v, x);
+        return evaluate_condition(l, label->args, "a number", &v) && is_equal(v, x);
     if (evaluate_list(l, label->args, &list, false) != 2) {
         diag_error(l->diag, label->at, "#range takes two numbers");
         return false;
@@ -521,7 +510,7 @@ static void start_switch(struct lang *l, const struct ast *node)
     const struct ast *a = node->body->first, *first = a;
     double x;
 
-    if (!evaluate_number(l, node->args, "a number", &x))
+    if (!evaluate_condition(l, node->args, "a number", &x))
         return;
     while (a && a->kind != AST_CASE)
         a = a->next;
@@ -735,6 +724,7 @@ static bool spliced_arguments(struct lang *l, const struct ast *call, const stru
     bool fine = true;
 
     reader_open(&r, l, call->args);
+    r.strict = true;
     while (fine && n < m->n && more_arguments(&r)) {
         fine = take_argument(l, &r, scope, &argument[n++]);
         skip_raw_comma(&r);
@@ -790,7 +780,7 @@ static bool plain_arguments(struct lang *l, const struct ast *call, const struct
             continue;
         if (!begins_well(l, a))
             return false;
-        evaluate(l, a, &argument->value);
+        evaluate_strictly(l, a, &argument->value);
         if (argument->value.n == 5)
             settle(&argument->value);
         value_keep(&argument->value);

@@ -318,9 +318,10 @@ static void eval_condition(struct lang *l, const struct ast *a, struct value *ou
     evaluate(l, a->third, &other);
     if (!value_is_number(&condition) || condition.n != 1)
         wrong_type(l, a->left->at, &condition, "a number before '?'");
-    else if (out->type == VALUE_TEXT || other.type == VALUE_TEXT)
+    else if (out->type == VALUE_TEXT || other.type == VALUE_TEXT) {
         diag_error(l->diag, a->at, "'?' and ':' choose between numbers, not texts");
-    else if (!is_true(condition.v[0]))
+        harmless(out);
+    } else if (!is_true(condition.v[0]))
         *out = other;
 }
 
@@ -454,8 +455,13 @@ static void chain_member(struct chain *c, const struct ast *a, int slot)
     member(c->lang, a, slot_of(c, slot));
 }
 
+static bool chain_is_text(struct chain *c, int slot)
+{
+    return slot_of(c, slot)->type == VALUE_TEXT;
+}
+
 static const struct chain_ops value_ops = { chain_operand, chain_unary, chain_binary,
-                                            chain_member, false };
+                                            chain_member, chain_is_text, false };
 
 void value_chain_start(struct value_chain *c, struct lang *l)
 {
@@ -470,7 +476,7 @@ void value_chain_end(struct value_chain *c, struct loc at, struct value *out)
         harmless(out);
 }
 
-void evaluate(struct lang *l, const struct ast *a, struct value *out)
+static void evaluate_chain(struct lang *l, const struct ast *a, bool strict, struct value *out)
 {
     struct value_chain c;
 
@@ -479,8 +485,19 @@ void evaluate(struct lang *l, const struct ast *a, struct value *out)
         return;
     }
     value_chain_start(&c, l);
+    c.chain.strict = strict;
     chain_add(&c.chain, a);
     value_chain_end(&c, a->at, out);
+}
+
+void evaluate(struct lang *l, const struct ast *a, struct value *out)
+{
+    evaluate_chain(l, a, false, out);
+}
+
+void evaluate_strictly(struct lang *l, const struct ast *a, struct value *out)
+{
+    evaluate_chain(l, a, true, out);
 }
 
 /* --- lists -------------------------------------------------------------------- */
@@ -587,33 +604,41 @@ int evaluate_list(struct lang *l, const struct ast *list, struct values *values,
 }
 
 /* A list that should be one value, with operators from directives. */
-static void chained(struct lang *l, const struct ast *list, struct value *out)
+static void chained(struct lang *l, const struct ast *list, bool strict, struct value *out)
 {
     struct value_chain c;
 
     value_chain_start(&c, l);
+    c.chain.strict = strict;
     chain_add_list(&c.chain, list);
     value_chain_end(&c, list->at, out);
 }
 
-void evaluate_one(struct lang *l, const struct ast *list, const char *what, struct value *out)
+static void one_of(struct lang *l, const struct ast *list, const char *what, bool strict,
+                   struct value *out)
 {
     if (list->flags & AST_PLAIN && list->n == 1 && !(list->flags & AST_LAST_COMMA))
-        evaluate(l, list->first, out);
+        evaluate_chain(l, list->first, strict, out);
     else if (!list->first) {
         diag_error(l->diag, list->at, "expected %s", what);
         harmless(out);
     } else
-        chained(l, list, out);
+        chained(l, list, strict, out);
 }
 
-bool evaluate_number(struct lang *l, const struct ast *list, const char *what, double *out)
+void evaluate_one(struct lang *l, const struct ast *list, const char *what, struct value *out)
+{
+    one_of(l, list, what, false, out);
+}
+
+static bool number_of(struct lang *l, const struct ast *list, const char *what, bool strict,
+                      double *out)
 {
     unsigned errors = l->diag->errors;
     struct value v;
 
     *out = 0;
-    evaluate_one(l, list, what, &v);
+    one_of(l, list, what, strict, &v);
     if (errors != l->diag->errors)
         return false;
     if (!value_is_number(&v) || v.n != 1) {
@@ -622,6 +647,16 @@ bool evaluate_number(struct lang *l, const struct ast *list, const char *what, d
     }
     *out = v.v[0];
     return true;
+}
+
+bool evaluate_number(struct lang *l, const struct ast *list, const char *what, double *out)
+{
+    return number_of(l, list, what, false, out);
+}
+
+bool evaluate_condition(struct lang *l, const struct ast *list, const char *what, double *out)
+{
+    return number_of(l, list, what, true, out);
 }
 
 bool evaluate_text(struct lang *l, const struct ast *a, const char *what, struct text *out)

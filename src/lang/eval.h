@@ -8,6 +8,10 @@
  * in it are spliced in as text would be. */
 void evaluate(struct lang *l, const struct ast *a, struct value *out);
 
+/* The same where POV-Ray reads no directives behind a complete operand: in declarations,
+ * arguments of macros, conditions. */
+void evaluate_strictly(struct lang *l, const struct ast *a, struct value *out);
+
 /* A chain of values: as evaluate, for nodes that come one by one. */
 struct value_chain { struct chain chain; struct value value[CHAIN_MOST]; };
 void value_chain_start(struct value_chain *c, struct lang *l);
@@ -16,6 +20,7 @@ void value_chain_end(struct value_chain *c, struct loc at, struct value *out);
 /* The one value of a list (a condition, a subscript, parentheses). */
 void evaluate_one(struct lang *l, const struct ast *list, const char *what, struct value *out);
 bool evaluate_number(struct lang *l, const struct ast *list, const char *what, double *out);
+bool evaluate_condition(struct lang *l, const struct ast *list, const char *what, double *out);
 bool evaluate_text(struct lang *l, const struct ast *a, const char *what, struct text *out);
 
 /* All values of a list with optional commas between them; returns how many,

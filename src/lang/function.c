@@ -153,7 +153,7 @@ static void chain_member(struct chain *chain, const struct ast *a, int slot)
 }
 
 static const struct chain_ops code_ops = { chain_operand, chain_unary, chain_binary,
-                                           chain_member, true };
+                                           chain_member, NULL, true };
 
 static void compile_chain(struct compiling *c, const struct ast *a, const struct ast *list, int to)
 {

@@ -42,7 +42,7 @@ void reader_start(struct reader *r, struct lang *l, const struct ast *list)
     r->lang = l;                /* one by one: clearing all of it took longer than the rest */
     r->outer = l->reader;
     r->base = l->n_frame;
-    r->has_item = r->has_node = r->failed = r->unclosed = false;
+    r->has_item = r->has_node = r->failed = r->unclosed = r->strict = false;
     r->brace = list->at;
     r->close = list->close;
     l->reader = r;
@@ -173,6 +173,15 @@ static bool may_go_on(const struct reader *r)
         || (f->next->kind == AST_CALL && is_macro(f->next->name));
 }
 
+/* A directive follows where none may follow a number; behind a text it is left for later. */
+static bool is_cut_short(const struct reader *r, struct value_chain *c)
+{
+    bool cut = r->strict && !c->chain.failed && chain_is_interrupted(r);
+
+    c->chain.interrupted |= cut && value_is_number(&c->value[0]);
+    return cut || c->chain.interrupted;
+}
+
 static void read_value(struct reader *r, const struct ast *a, struct item *i)
 {
     struct lang *l = r->lang;
@@ -180,11 +189,16 @@ static void read_value(struct reader *r, const struct ast *a, struct item *i)
 
     i->kind = ITEM_VALUE;
     if (!may_go_on(r)) {
-        evaluate(l, a, &i->value);
+        (r->strict ? evaluate_strictly : evaluate)(l, a, &i->value);
         return;
     }
     value_chain_start(&c, l);
+    c.chain.strict = r->strict;
     chain_add(&c.chain, a);
+    if (is_cut_short(r, &c)) {
+        value_chain_end(&c, a->at, &i->value);
+        return;
+    }
     while (!l->stopped && reader_look(r) && chain_continues(r->node))
         chain_add(&c.chain, take_node(r));
     value_chain_end(&c, a->at, &i->value);
