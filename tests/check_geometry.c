@@ -1087,6 +1087,84 @@ START_TEST(test_rays_to_copies_go_together_and_meet_what_each_meets_alone)
 }
 END_TEST
 
+enum { COPIES = 4000 };
+
+/* The same CSG at many places; or, so that nothing is shared, as many that are equal. */
+static struct plan *csg_at_many_places(struct object *o, const struct transform at[], bool is_shared)
+{
+    scene_init(&scene, &mem);
+    for (int i = 0; i < COPIES; i++) {
+        struct object *copy = moved(o, at[i]);
+        if (!is_shared)
+            copy->child = arena_copy(&mem, copy->child, copy->n_child * sizeof *copy->child);
+        scene_add(&scene, copy);
+    }
+    return plan();
+}
+
+START_TEST(test_csg_placed_often_is_stored_once_and_looks_alike)
+{
+    int n_shared = 0;
+
+    for (int round = 0; round < 6; round++) {
+        struct object *o = random_csg(1 + round % 2);
+        struct transform at[COPIES];
+        o->flags &= ~(unsigned)OBJECT_INVERSE;
+        for (int i = 0; i < COPIES; i++)
+            at[i] = turned(in_cube(180), in_cube(40));
+        struct plan *once = csg_at_many_places(o, at, true), *each = csg_at_many_places(o, at, false);
+        ck_assert_uint_eq(each->n_instance, 0);
+        ck_assert(once->n_instance == COPIES || once->n_leaf == 0 || each->n_leaf / COPIES < 3);
+        n_shared += once->n_instance == COPIES;
+        struct scratch *a = scratch_new(once, &mem), *b = scratch_new(each, &mem);
+        for (int i = 0; i < 1000; i++) {
+            struct ray ray = random_ray(45, 30);
+            struct meeting m, n;
+            struct surface_point p, q;
+            bool met = geometry_nearest(once, a, ray, INFINITY, RAY_PRIMARY, &m);
+            ck_assert_int_eq(met, geometry_nearest(each, b, ray, INFINITY, RAY_PRIMARY, &n));
+            if (!met)
+                continue;
+            ck_assert_double_eq_tol(m.t, n.t, 1e-9);
+            geometry_point(once, &ray, &m, &p);
+            geometry_point(each, &ray, &n, &q);
+            ck_assert_double_le(vec_length(vec_sub(vec_unit(p.normal), vec_unit(q.normal))), 1e-6);
+        }
+    }
+    ck_assert_int_gt(n_shared, 1);
+}
+END_TEST
+
+/* Glass that is placed often: the camera may be in any of it. */
+START_TEST(test_a_point_is_inside_of_the_copies_around_it)
+{
+    static const enum object_kind kinds[] = { OBJECT_UNION, OBJECT_INTERSECTION };
+    static const struct interior glass = { .ior = 1.5 };
+
+    for (int round = 0; round < 4; round++) {
+        bool is_own = round >= 2;       /* of the copy, or of what is in it */
+        struct object *child[3];
+        for (int i = 0; i < 3; i++) {
+            child[i] = sphere(vec(0.1 * i, 0, 0), 1);
+            object_more(&mem, child[i])->interior = is_own || i > 0 ? NULL : &glass;
+        }
+        struct object *o = group(kinds[round % 2], child, 3);
+        object_more(&mem, o)->interior = is_own ? &glass : NULL;
+        scene_init(&scene, &mem);
+        for (int i = 0; i < COPIES; i++)
+            scene_add(&scene, moved(o, transform_translate(vec(4 * i, 0, 0))));
+        struct plan *p = plan();
+        struct scratch *s = scratch_new(p, &mem);
+        uint32_t surface[8];
+        ck_assert_uint_eq(p->n_instance, COPIES);
+        ck_assert_uint_eq(geometry_inside(p, s, vec(40.1, 0, 0), surface, 8),
+                          is_own && round % 2 == 0 ? 3 : 1);
+        ck_assert_ptr_eq(p->surface[surface[0]].interior, &glass);
+        ck_assert_uint_eq(geometry_inside(p, s, vec(42.5, 0, 0), surface, 8), 0);
+    }
+}
+END_TEST
+
 /* What blocked the last ray is asked first, where it stands. */
 START_TEST(test_a_copy_that_blocks_is_remembered_where_it_stands)
 {
@@ -1541,6 +1619,8 @@ int main(void)
     tcase_add_test(tc, test_equal_things_are_met_in_the_order_of_their_listing);
     tcase_add_test(tc, test_a_union_placed_often_is_stored_once);
     tcase_add_test(tc, test_instances_may_differ_in_their_texture);
+    tcase_add_test(tc, test_csg_placed_often_is_stored_once_and_looks_alike);
+    tcase_add_test(tc, test_a_point_is_inside_of_the_copies_around_it);
     tcase_add_test(tc, test_a_copy_that_blocks_is_remembered_where_it_stands);
     tcase_add_test(tc, test_rays_to_copies_go_together_and_meet_what_each_meets_alone);
     tcase_add_test(tc, test_nothing_leaks_from_a_closed_mesh);

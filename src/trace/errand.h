@@ -5,8 +5,11 @@
 #ifndef RTC_ERRAND_H
 #define RTC_ERRAND_H
 
+#include "trace/geometry.h"
 #include "trace/stream.h"
 #include "trace/world.h"
+
+struct blocker;
 
 enum { ERRANDS = 128, ERRAND_QUEUES = 8 };
 
@@ -42,6 +45,15 @@ INLINE struct ray errands_ray(const struct errands *e, int k)
     return (struct ray) { { e->column[0][k], e->column[1][k], e->column[2][k] },
                           { e->column[3][k], e->column[4][k], e->column[5][k] } };
 }
+
+/* What each meets first in the space, below far, which is filled up to a
+ * register as packets are.  Nothing: leaf is NO_LEAF. */
+void errands_nearest(const struct plan *p, struct scratch *s, const struct errands *e, double far[],
+                     const uint8_t mask[], struct meeting met[]);
+
+/* Which are blocked, where all is opaque: BARRIER_OPAQUE, else 0.  last: by what, if any is. */
+void errands_blocked(const struct plan *p, struct scratch *s, const struct errands *e, double far[],
+                     uint64_t barrier[], struct blocker *last);
 
 INLINE struct rays errands_rays(const struct errands *e)
 {

@@ -170,9 +170,13 @@ static struct context within(struct builder *b, const struct context *outer, con
         c.look.interior = o->more->interior;
         c.look.solid = o;
     }
+    return c;
+}
+
+static void count_left_out(struct builder *b, const struct object *o)
+{
     b->n_bound += o->more->n_bound > 0 && o->kind != OBJECT_SHAPE && o->kind != OBJECT_MESH;
     b->n_cutaway += (o->flags & OBJECT_CUTAWAY_TEXTURES) != 0;
-    return c;
 }
 
 /* An interior texture from another level is moved to the texture's space. */
@@ -401,6 +405,7 @@ static struct bounds csg_object(struct csg_builder *c, const struct object *o,
     if (o->more->n_clip)
         return csg_clipped(c, o, outer, parent, is_silent);
     struct context in = within(c->b, outer, o);
+    count_left_out(c->b, o);
     if (o->kind == OBJECT_SHAPE || o->kind == OBJECT_MESH)
         return csg_leaf(c, o, &in, parent, is_silent);
     return csg_children(c, o, &in, parent, is_silent);
@@ -458,6 +463,22 @@ static void add_children(struct builder *b, const struct object *o, const struct
         add_object(b, o->child[i], c);
 }
 
+/* CSG as it stands in its own space: what it says itself is in the context. */
+static void add_bare_csg(struct builder *b, const struct object *o, const struct context *c)
+{
+    struct object bare = *o;
+    struct object_more more = *o->more;
+
+    more.interior = NULL;
+    more.interior_texture = NULL;
+    more.n_bound = 0;
+    bare.more = &more;
+    bare.texture = NULL;
+    bare.place = &transform_identity;
+    bare.flags &= ~(OBJECT_INVERSE | OBJECT_CUTAWAY_TEXTURES);
+    add_csg(b, &bare, c);
+}
+
 /* The children's space for this look and these flags, made when new. */
 static uint32_t space_for(struct builder *b, const struct object *o, const struct context *c)
 {
@@ -474,7 +495,7 @@ static uint32_t space_for(struct builder *b, const struct object *o, const struc
     struct made_space made = { o->child, c->flags, c->inverse, c->is_inherited, b->space };
     struct context in = *c;
     in.placement = NULL;
-    add_children(b, o, &in);
+    (o->kind == OBJECT_UNION ? add_children : add_bare_csg)(b, o, &in);
     finish_space(b, b->space, &items);
     b->items = outer_items;
     b->space = outer_space;
@@ -501,7 +522,7 @@ static bool add_instance(struct builder *b, const struct object *o, const struct
     const struct shared *shared = b->space == 0 ? share_find(&b->share, o) : NULL;
     bool inherits;
 
-    if (!shared || !share_is_worth_it(shared) || !can_be_shared(shared, c, &inherits))
+    if (!shared || !share_is_worth_it(shared, o->kind != OBJECT_UNION) || !can_be_shared(shared, c, &inherits))
         return false;
     struct context in = *c;
     uint32_t surface = inherits ? surface_for(b, c, NULL) : NO_LEAF;
@@ -528,15 +549,26 @@ static bool is_csg(const struct object *o)
            || o->kind == OBJECT_MERGE;
 }
 
+/* Clips are not placed with what they cut. */
+static bool add_csg_instance(struct builder *b, const struct object *o, const struct context *outer)
+{
+    if (o->more->n_clip > 0 || b->space != 0 || !share_find(&b->share, o))
+        return false;
+    struct context c = within(b, outer, o);
+    return !c.inverse && add_instance(b, o, &c);
+}
+
 static void add_object(struct builder *b, const struct object *o, const struct context *outer)
 {
     if (o->kind == OBJECT_LIGHT)
         return;
     if (is_csg(o)) {
-        add_csg(b, o, outer);
+        if (!add_csg_instance(b, o, outer))
+            add_csg(b, o, outer);
         return;
     }
     struct context c = within(b, outer, o);
+    count_left_out(b, o);
     if (o->kind == OBJECT_UNION) {
         if (!add_instance(b, o, &c))
             add_children(b, o, &c);
@@ -797,12 +829,37 @@ static void wrap_items(struct builder *b, struct bvh *tree, const struct list *i
         bvh_add_bricks(tree, &(struct brick_source) { item_brick, item_fetch, b }, b->plan->mem);
 }
 
+/* May points be within it, in an interior?  That of a copy may be the copy's own. */
+static bool is_filled(const struct builder *b, uint32_t item)
+{
+    const struct plan *p = b->plan;
+    uint32_t number = item_number(item);
+
+    if (item_kind(item) == ITEM_INSTANCE)
+        return b->geometry->space[p->instance[number].root].n_filled > 0;
+    bool is_csg = item_kind(item) == ITEM_CSG;
+    const struct leaf *l = &p->leaf[is_csg ? b->geometry->csg[number].surface_leaf : number];
+    return (is_csg || has_inside(l)) && (l->surface == NO_LEAF || p->surface[l->surface].interior);
+}
+
+static void find_filled(struct builder *b, const struct list *items, struct space *s)
+{
+    struct list filled = { 0 };
+
+    for (size_t i = 0; i < items->n; i++)
+        if (is_filled(b, items->item[i]))
+            list_add(b, &filled, items->item[i]);
+    s->n_filled = filled.n;
+    s->filled = arena_copy(b->plan->mem, filled.item, filled.n * sizeof *filled.item);
+}
+
 static void finish_space(struct builder *b, uint32_t number, struct items *items)
 {
     enum { ITEMS_A_LEAF = 8, MOST_CANDIDATES = 1 << 14 };
     struct list *bounded = &items->all, *unbounded = &items->unbounded;
     struct space s = { .n_unbounded = unbounded->n };
 
+    find_filled(b, &items->all, &s);
     s.few = few_of(b, &items->all, &s);
     take_out_unbounded(items);
     bvh_build(&s.tree, bounded->n, nth, &(struct bounded) { b, bounded }, &items->whole, ITEMS_A_LEAF,
@@ -832,28 +889,6 @@ static void add_lamps(struct builder *b)
             o.flags_given |= OBJECT_NO_SHADOW;
             add_object(b, &o, &top);
         }
-}
-
-static bool is_filled(const struct plan *p, const struct geometry *g, uint32_t item)
-{
-    uint32_t number = item_number(item);
-
-    if (item_kind(item) == ITEM_CSG)
-        return p->surface[p->leaf[g->csg[number].surface_leaf].surface].interior != NULL;
-    const struct leaf *l = &p->leaf[number];
-    return has_inside(l) && p->surface[l->surface].interior != NULL;
-}
-
-static void find_filled(struct builder *b, const struct list *items)
-{
-    struct list filled = { 0 };
-
-    for (size_t i = 0; i < items->n; i++)
-        if (item_kind(items->item[i]) != ITEM_INSTANCE
-            && is_filled(b->plan, b->geometry, items->item[i]))
-            list_add(b, &filled, items->item[i]);
-    b->geometry->n_filled = filled.n;
-    b->geometry->filled = arena_copy(b->plan->mem, filled.item, filled.n * sizeof *filled.item);
 }
 
 /* What grew in scrap moves to the plan; the CSG roots learn where the leaves
@@ -900,7 +935,6 @@ void geometry_build(struct plan *p, unsigned threads)
     for (size_t i = 0; i < s->n_object; i++)
         add_object(&b, s->object[i], &top);
     add_lamps(&b);
-    find_filled(&b, &items.all);
     finish_space(&b, 0, &items);
     settle(&b);
     b.geometry->space = arena_copy(p->mem, b.geometry->space,

@@ -180,7 +180,7 @@ static void flock_nearest(void *arg, uint32_t first, const uint8_t ray[], uint8_
 static void found_of_unbounded(const struct plan *p, struct scratch *s, const uint8_t *mask)
 {
     const struct space *world = &p->geometry->space[0];
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
 
     for (size_t k = 0; k < world->n_unbounded; k++) {
         const struct leaf *l = hot_leaf(p, world->unbounded[k]);
@@ -211,7 +211,7 @@ static void nearest_of_cold(struct flock *f)
 
 static void nearest_of_unbounded(struct flock *f)
 {
-    struct volley *v = &f->search.s->volley;
+    struct volley *v = f->search.s->volley;
     const int n = f->rays->n;
 
     for (int i = 0; i < n; i++)

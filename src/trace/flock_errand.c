@@ -3,18 +3,10 @@
 
 #include "trace/flock_own.h"
 
-static void fill_up(double v[], int n)
-{
-    for (int i = n; i % WIDE; i++)
-        v[i] = v[n - 1];
-}
-
 static const struct space *space_of(const struct flock *f, uint32_t root)
 {
     return &f->search.plan->geometry->space[root];
 }
-
-/* ---- the nearest in little ---- */
 
 static void keep_nearer(struct flock *f, int i, uint32_t instance, const struct meeting *m)
 {
@@ -31,8 +23,6 @@ static void keep_nearer(struct flock *f, int i, uint32_t instance, const struct 
 
 static void look_for_nearest(struct flock *f, const struct errands *e)
 {
-    const struct choice all = { .few = space_of(f, e->root)->few };
-    const struct rays rays = errands_rays(e);
     struct meeting met[ERRANDS];
     double far[ERRANDS];
     uint8_t mask[ERRANDS];
@@ -41,109 +31,22 @@ static void look_for_nearest(struct flock *f, const struct errands *e)
         far[k] = f->far[e->ray[k]];
         mask[k] = f->mask[e->ray[k]];
     }
-    fill_up(far, e->n);
-    nearest_of_choice(f->search.plan, f->search.s, &all, &rays, far, mask, met);
+    errands_nearest(f->search.plan, f->search.s, e, far, mask, met);
     for (int k = 0; k < e->n; k++)
         keep_nearer(f, e->ray[k], e->instance[k], &met[k]);
 }
 
-/* ---- what of little blocks light ---- */
-
 static void look_for_blockers(struct flock *f, const struct errands *e)
 {
-    const struct choice all = { space_of(f, e->root)->few, UINT64_MAX, 0, 0 };
-    const struct rays rays = errands_rays(e);
     uint64_t barrier[ERRANDS];
     double far[ERRANDS];
 
     for (int k = 0; k < e->n; k++)
         far[k] = f->barrier[e->ray[k]] == BARRIER_OPAQUE ? -1 : f->far[e->ray[k]];
-    blocked_by_choice(f->search.plan, f->search.s, &all, &rays, far, barrier);
+    errands_blocked(f->search.plan, f->search.s, e, far, barrier, f->last);
     for (int k = 0; k < e->n; k++)
-        if (barrier[k] == BARRIER_OPAQUE) {
-            *f->last = (struct blocker) { item_of(ITEM_INSTANCE, e->instance[k]), NO_INSTANCE, true };
+        if (barrier[k] == BARRIER_OPAQUE)
             flock_block(f, e->ray[k]);
-        }
-}
-
-/* ---- down a space's tree ---- */
-
-struct inner { struct flock *flock; const struct errands *errands; };
-
-/* The search of one errand: what it finds counts for its ray. */
-static struct search *inner_turn(const struct inner *in, int k)
-{
-    struct search *s = flock_turn(in->flock, in->errands->ray[k]);
-
-    s->ray = errands_ray(in->errands, k);
-    s->instance = in->errands->instance[k];
-    return s;
-}
-
-static void inner_meet(const struct inner *in, int k, const uint32_t item[], unsigned bits)
-{
-    struct flock *f = in->flock;
-    struct search *s = inner_turn(in, k);
-    int i = in->errands->ray[k];
-    double far;
-
-    s->mask = f->mask[i];
-    s->best = &f->out[i];
-    visit_nearest(s, item, bits, &far);
-    if (far < f->far[i]) {
-        flock_set_far(f, i, far);
-        stream_set_far(s->s->inner, k, far);
-    }
-}
-
-static void inner_block(const struct inner *in, int k, const uint32_t item[], unsigned bits)
-{
-    struct flock *f = in->flock;
-    struct search *s = inner_turn(in, k);
-    double far;
-
-    if (!visit_blocked(s, item, bits, &far))
-        return;
-    *f->last = (struct blocker) { s->best->leaf, s->best->instance, true };
-    flock_block(f, in->errands->ray[k]);
-    stream_end(s->s->inner, k);
-}
-
-static void inner_visit(const struct inner *in, int k, const uint32_t item[], unsigned bits)
-{
-    struct flock *f = in->flock;
-
-    if (!f->barrier)
-        inner_meet(in, k, item, bits);
-    else if (f->barrier[in->errands->ray[k]] != BARRIER_OPAQUE)
-        inner_block(in, k, item, bits);
-}
-
-static void visit(void *arg, uint32_t first, const uint8_t ray[], uint8_t bits[], int n)
-{
-    const struct inner *in = arg;
-    const uint32_t *item = space_of(in->flock, in->errands->root)->tree.item + first;
-
-    for (int k = 0; k < n; k++)
-        inner_visit(in, ray[k], item, bits[k]);
-}
-
-static void walk_space(struct flock *f, const struct errands *e)
-{
-    const struct space *space = space_of(f, e->root);
-    struct scratch *s = f->search.s;
-    struct inner in = { f, e };
-    const struct rays rays = errands_rays(e);
-    double far[ERRANDS];
-
-    for (size_t i = 0; i < space->n_unbounded; i++)
-        for (int k = 0; k < e->n; k++)
-            inner_visit(&in, k, &space->unbounded[i], 1);
-    for (int k = 0; k < e->n; k++)
-        far[k] = f->far[e->ray[k]];
-    stream_aim(s->inner, &space->tree, &rays, far);
-    stream_walk(s->inner, &space->tree, !f->barrier, visit, &in, &s->counts.box_tests);
-    f->search.instance = NO_INSTANCE;
 }
 
 /* ---- the queues ---- */
@@ -154,7 +57,7 @@ static void run(struct flock *f, struct errands *e)
 
     if (e->n == 0)
         return;
-    (!space_of(f, e->root)->few ? walk_space : f->barrier ? look_for_blockers : look_for_nearest)(f, e);
+    (f->barrier ? look_for_blockers : look_for_nearest)(f, e);
     for (int k = 0; k < e->n; k++)
         post->waiting[e->ray[k]]--;
     e->n = 0;

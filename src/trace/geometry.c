@@ -20,6 +20,7 @@ struct scratch *scratch_new(const struct plan *p, struct arena *mem)
     s->blocked = arena_array(mem, p->n_light + 1, sizeof *s->blocked);
     s->stream = arena_alloc(mem, sizeof *s->stream);
     s->inner = arena_alloc(mem, sizeof *s->inner);
+    s->volley = s->volleys;
     s->post = arena_alloc(mem, p->n_instance ? sizeof *s->post : 1);
     return s;
 }
@@ -216,26 +217,49 @@ void geometry_blocked_many(const struct plan *p, struct scratch *s, const struct
 
 /* ---- within ---- */
 
-static bool item_holds(const struct plan *p, struct scratch *s, uint32_t item, vec3 point)
-{
-    uint32_t number = item_number(item);
+struct insides {
+    const struct plan *plan;
+    struct scratch *scratch;
+    uint32_t *surface;
+    size_t n, room;
+};
 
-    if (item_kind(item) == ITEM_CSG)
-        return csg_inside(&p->geometry->csg[number], &s->csg, point);
-    return leaf_inside(&p->leaf[number], point);
+/* own: the surface that items without one take from the copy, or NO_LEAF. */
+static void look_inside(struct insides *in, const struct space *space, vec3 point, uint32_t own);
+
+static void look_inside_copy(struct insides *in, const struct instance *i, vec3 point)
+{
+    look_inside(in, &in->plan->geometry->space[i->root], mat_point(&i->place.from, point), i->surface);
+}
+
+static void look_inside_item(struct insides *in, uint32_t item, vec3 point, uint32_t own)
+{
+    const struct plan *p = in->plan;
+    const struct csg *csg = item_kind(item) == ITEM_CSG ? &p->geometry->csg[item_number(item)] : NULL;
+    const struct leaf *l = &p->leaf[csg ? csg->surface_leaf : item_number(item)];
+    uint32_t surface = l->surface == NO_LEAF ? own : l->surface;
+
+    if (surface != NO_LEAF && p->surface[surface].interior
+        && (csg ? csg_inside(csg, &in->scratch->csg, point) : leaf_inside(l, point)))
+        in->surface[in->n++] = surface;
+}
+
+static void look_inside(struct insides *in, const struct space *space, vec3 point, uint32_t own)
+{
+    for (size_t i = 0; i < space->n_filled && in->n < in->room; i++) {
+        uint32_t item = space->filled[i];
+        if (item_kind(item) == ITEM_INSTANCE)
+            look_inside_copy(in, &in->plan->instance[item_number(item)], point);
+        else
+            look_inside_item(in, item, point, own);
+    }
 }
 
 size_t geometry_inside(const struct plan *p, struct scratch *s, vec3 point, uint32_t surface[],
                        size_t room)
 {
-    const struct geometry *g = p->geometry;
-    size_t n = 0;
+    struct insides in = { p, s, surface, 0, room };
 
-    for (size_t i = 0; i < g->n_filled && n < room; i++) {
-        uint32_t item = g->filled[i], number = item_number(item);
-        if (item_holds(p, s, item, point))
-            surface[n++] = p->leaf[item_kind(item) == ITEM_CSG ? g->csg[number].surface_leaf
-                                                               : number].surface;
-    }
-    return n;
+    look_inside(&in, &p->geometry->space[0], point, NO_LEAF);
+    return in.n;
 }

@@ -61,7 +61,7 @@ struct scratch {
     uint32_t n_kept;
     unsigned tallied[MOST_TALLIED][PLAN_TALLIES];
     uint32_t n_tallied;
-    struct volley volley;
+    struct volley *volley, volleys[2];  /* the first, or, within a copy, the second */
     struct meeting crossing[MOST_CROSSINGS];
 };
 

@@ -4,7 +4,7 @@
 enum {
     SMALLEST = 3,               /* leaves: of fewer, a tree of their own is no quicker */
     LARGEST = 1 << 17,          /* leaves: of more, the parts are shared rather than the whole */
-    WORTH = 500,                /* leaves saved */
+    WORTH = 500, WORTH_CSG = 10000,     /* leaves saved: fewer solids that are cut are quicker in beams */
 };
 
 static size_t slot_of(const struct share *s, const void *children)
@@ -102,7 +102,8 @@ const struct shared *share_find(const struct share *s, const struct object *o)
     return one && one->children ? one : NULL;
 }
 
-bool share_is_worth_it(const struct shared *s)
+bool share_is_worth_it(const struct shared *s, bool is_csg)
 {
-    return s->n_leaf >= SMALLEST && s->n_leaf <= LARGEST && (s->n_use - 1) * s->n_leaf >= WORTH;
+    return s->n_leaf >= SMALLEST && s->n_leaf <= LARGEST
+           && (s->n_use - 1) * s->n_leaf >= (is_csg ? WORTH_CSG : WORTH);
 }

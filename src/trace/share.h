@@ -23,6 +23,6 @@ struct share {
 
 void share_init(struct share *s, const struct object *const object[], size_t n, struct arena *mem);
 const struct shared *share_find(const struct share *s, const struct object *o);
-bool share_is_worth_it(const struct shared *s);
+bool share_is_worth_it(const struct shared *s, bool is_csg);
 
 #endif

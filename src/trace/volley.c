@@ -4,7 +4,7 @@
 void volley_start(struct scratch *s, const struct choice *c, const struct rays *r,
                   const double *far)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
 
     packet_fill(&v->rays, r);
     v->on_the_way = few_on_the_way(c->few, &v->rays, far);
@@ -21,7 +21,7 @@ bool volley_meets(struct volley *v, const struct few *few, int k, const double *
 bool volley_leaf(struct scratch *s, const struct leaf *l, const struct few *few, int k,
                  const double *far, struct lanes_asked *asked)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
 
     if (leaf_is_quick(l) ? !lanes_any(asked, &v->rays)
                          : !volley_meets(v, few, k, far, asked))
@@ -34,7 +34,7 @@ bool volley_leaf(struct scratch *s, const struct leaf *l, const struct few *few,
 bool volley_mesh(struct scratch *s, const struct leaf *l, const struct few *few, int k,
                  const double *far, bool is_any, struct lanes_asked *asked)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     struct lanes_asked all = packet_all(&v->rays);
     double until[PACKET];
 
@@ -71,10 +71,26 @@ const struct csg *convex_of(const struct plan *p, uint32_t item)
     return item_kind(item) == ITEM_CSG && c->convex ? c : NULL;
 }
 
+const struct instance *copy_of(const struct plan *p, uint32_t item)
+{
+    return item_kind(item) == ITEM_INSTANCE ? &p->instance[item_number(item)] : NULL;
+}
+
+void volley_errands(const struct volley *v, const struct instance *to, uint32_t number,
+                    const struct lanes_asked *asked, struct errands *e)
+{
+    e->n = 0;
+    for (int i = 0; i < v->rays.n; i++) {
+        const struct ray ray = packet_ray(&v->rays, i);
+        if (lanes_has(asked, i))
+            errands_add(e, to, number, i, &ray);
+    }
+}
+
 void volley_aim(struct scratch *s, const struct few *few, uint32_t things,
                 const double *far, const struct lanes_asked *asked, uint64_t may[])
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
 
     memset(may, 0, (size_t)v->rays.n * sizeof *may);
     for (; things; things &= things - 1) {

@@ -39,11 +39,16 @@ bool volley_mesh(struct scratch *s, const struct leaf *l, const struct few *few,
 void volley_aim(struct scratch *s, const struct few *few, uint32_t things, const double *far,
                 const struct lanes_asked *asked, uint64_t may[]);
 
+/* The asked rays to a copy. */
+void volley_errands(const struct volley *v, const struct instance *to, uint32_t number,
+                    const struct lanes_asked *asked, struct errands *e);
+
 /* ---- what an item is; NULL: not that ---- */
 
 const struct leaf *hot_leaf(const struct plan *p, uint32_t item);   /* can be asked about many rays */
 const struct leaf *mesh_leaf(const struct plan *p, uint32_t item);  /* a mesh, but no tiny one */
 const struct csg *convex_of(const struct plan *p, uint32_t item);   /* CSG of convex solids */
+const struct instance *copy_of(const struct plan *p, uint32_t item);
 
 /* ---- what both look for the nearest with ---- */
 

@@ -19,7 +19,7 @@ static bool is_blocker(const struct plan *p, const struct leaf *l)
 static bool close_many(const struct plan *p, struct scratch *s, const struct few *few, int k,
                        const double *far, struct lanes_asked *open)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     const struct leaf *l = hot_leaf(p, few->item[k]);
     struct lanes_asked asked = *open;
 
@@ -32,7 +32,7 @@ static bool close_many(const struct plan *p, struct scratch *s, const struct few
 static uint32_t close_by_meshes(const struct plan *p, struct scratch *s, const struct few *few,
                                 uint32_t things, const double *far, struct lanes_asked *open)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     uint32_t rest = 0;
 
     for (; things; things &= things - 1) {
@@ -69,7 +69,7 @@ static void close_by_convex(const struct plan *p, struct scratch *s, const struc
 {
     struct convex_work *w = s->convex;
 
-    for (int at = 0; convex_gather(w, &s->volley.rays, asked, &at);) {
+    for (int at = 0; convex_gather(w, &s->volley->rays, asked, &at);) {
         for (int j = 0; j < w->n; j++)
             w->far[j] = far[w->number[j]];
         convex_cast(csg, w);
@@ -88,7 +88,7 @@ static void close_by_convex(const struct plan *p, struct scratch *s, const struc
 static void close_one_by_one(const struct plan *p, struct scratch *s, const struct few *few,
                              const double *far, const uint64_t may[], struct lanes_asked *open)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     struct meeting by;
     struct search search = { .plan = p, .s = s, .instance = NO_INSTANCE, .mask = RAY_SHADOW,
                              .best = &by };
@@ -104,19 +104,44 @@ static void close_one_by_one(const struct plan *p, struct scratch *s, const stru
     }
 }
 
+/* Where light passes through nothing. */
+static void close_by_copy(const struct plan *p, struct scratch *s, const struct instance *to,
+                          uint32_t number, const double *far, const struct lanes_asked *asked,
+                          struct lanes_asked *open)
+{
+    struct errands *e = &s->post->queue[0];
+    uint64_t barrier[ERRANDS];
+    double until[ERRANDS];
+    struct blocker unused;
+
+    volley_errands(s->volley, to, number, asked, e);
+    for (int k = 0; k < e->n; k++)
+        until[k] = far[e->ray[k]];
+    errands_blocked(p, s, e, until, barrier, &unused);
+    for (int k = 0; k < e->n; k++)
+        if (barrier[k] == BARRIER_OPAQUE)
+            lanes_drop(open, e->ray[k]);
+}
+
 /* CSG of convex solids first, the rest ray by ray. */
 static void close_by_rest(const struct plan *p, struct scratch *s, const struct few *few,
                           uint32_t things, const double *far, struct lanes_asked *open)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     uint64_t may[PACKET] = { 0 };
 
     for (; things; things &= things - 1) {
         int k = __builtin_ctz(things);
         const struct csg *csg = convex_of(p, few->item[k]);
         struct lanes_asked asked = *open;
-        if (!volley_meets(v, few, k, far, &asked) || (csg && !(csg->mask & RAY_SHADOW)))
+        const struct instance *copy = copy_of(p, few->item[k]);
+        uint8_t mask = csg ? csg->mask : copy ? copy->mask : RAY_SHADOW;
+        if (!volley_meets(v, few, k, far, &asked) || !(mask & RAY_SHADOW))
             continue;
+        if (copy && !p->has_transparency) {
+            close_by_copy(p, s, copy, item_number(few->item[k]), far, &asked, open);
+            continue;
+        }
         if (csg)
             close_by_convex(p, s, csg, far, &asked, open);
         lanes_note(&asked, &v->rays, k, may);
@@ -128,7 +153,7 @@ static void close_by_rest(const struct plan *p, struct scratch *s, const struct 
 static void close_blocked(const struct plan *p, struct scratch *s, const struct choice *c,
                           const double *far, struct lanes_asked *open)
 {
-    uint32_t todo = (uint32_t)c->opaque & s->volley.on_the_way, rest = 0;
+    uint32_t todo = (uint32_t)c->opaque & s->volley->on_the_way, rest = 0;
 
     for (; todo; todo &= todo - 1) {
         int k = __builtin_ctz(todo);
@@ -172,10 +197,10 @@ static void keep_ahead(const struct plan *p, struct scratch *s, uint32_t *first,
 static void keep_crossings(const struct plan *p, struct scratch *s, uint32_t leaf,
                            const double *far, uint32_t first[])
 {
-    const struct crossings *c = &s->volley.view.crossings;
+    const struct crossings *c = &s->volley->view.crossings;
     struct hit hit[2];
 
-    for (int k = 0; k * WIDE < s->volley.rays.n; k++)
+    for (int k = 0; k * WIDE < s->volley->rays.n; k++)
         for (unsigned bits = c->met[k]; bits; bits &= bits - 1) {
             int i = k * WIDE + __builtin_ctz(bits), n = crossings_at(c, i, hit);
             for (int j = 0; j < n; j++)
@@ -191,7 +216,7 @@ static void look_ahead(const struct plan *p, struct scratch *s, const struct few
 {
     uint32_t first[PACKET];
 
-    for (int i = 0; i < s->volley.rays.n; i++)
+    for (int i = 0; i < s->volley->rays.n; i++)
         first[i] = KEPT_END;
     for (; things; things &= things - 1) {
         int k = __builtin_ctz(things);
@@ -200,7 +225,7 @@ static void look_ahead(const struct plan *p, struct scratch *s, const struct few
         if (is_filter(p, l) && volley_leaf(s, l, few, k, far, &asked))
             keep_crossings(p, s, item_number(few->item[k]), far, first);
     }
-    for (int i = 0; i < s->volley.rays.n; i++)
+    for (int i = 0; i < s->volley->rays.n; i++)
         if (first[i] != KEPT_END)
             barrier[i] = first[i] == KEPT_TOO_MANY ? BARRIER_CLEAR : BARRIER_KEPT | first[i];
 }
@@ -208,9 +233,9 @@ static void look_ahead(const struct plan *p, struct scratch *s, const struct few
 /* The same where it is enough to count. */
 static void tally_crossings(struct scratch *s, uint32_t tally, const double *far, uint32_t row)
 {
-    const struct crossings *c = &s->volley.view.crossings;
+    const struct crossings *c = &s->volley->view.crossings;
 
-    for (int at = 0, k = 0; at < s->volley.rays.n; at += WIDE, k++) {
+    for (int at = 0, k = 0; at < s->volley->rays.n; at += WIDE, k++) {
         wide limit = wide_load(far + at);
         for (int i = 0; c->met[k] && i < c->most; i++) {
             wide t = wide_load(c->t[i] + at);
@@ -232,7 +257,7 @@ static void tally_ahead(const struct plan *p, struct scratch *s, const struct fe
         if (is_filter(p, l) && volley_leaf(s, l, few, k, far, &asked))
             tally_crossings(s, p->surface[l->surface].tally, far, row);
     }
-    scratch_tallied(s, row, s->volley.rays.n, barrier);
+    scratch_tallied(s, row, s->volley->rays.n, barrier);
 }
 
 /* Those of which hits_many tells all crossings. */
@@ -252,21 +277,21 @@ static uint32_t all_hot(const struct plan *p, const struct few *few, uint32_t th
 static void look_at_clear(const struct plan *p, struct scratch *s, const struct choice *c,
                           const double *far, struct lanes_asked *open, uint64_t *barrier)
 {
-    uint32_t things = (uint32_t)c->clear & s->volley.on_the_way;
+    uint32_t things = (uint32_t)c->clear & s->volley->on_the_way;
     uint32_t hot = all_hot(p, c->few, things);
     struct lanes_asked late = *open;
     uint64_t may[PACKET];
 
     if (things != hot) {
         volley_aim(s, c->few, things & ~hot, far, open, may);
-        for (int i = 0; i < s->volley.rays.n; i++)
+        for (int i = 0; i < s->volley->rays.n; i++)
             lanes_drop(may[i] ? open : &late, i);
         volley_aim(s, c->few, things, far, &late, may);
-        for (int i = 0; i < s->volley.rays.n; i++)
+        for (int i = 0; i < s->volley->rays.n; i++)
             if (may[i])
                 barrier[i] = may[i] | c->list;
     }
-    uint32_t row = hot ? scratch_tally(s, s->volley.rays.n) : NO_TALLY;
+    uint32_t row = hot ? scratch_tally(s, s->volley->rays.n) : NO_TALLY;
     if (row != NO_TALLY)
         tally_ahead(p, s, c->few, hot, far, open, row, barrier);
     else if (hot)
@@ -278,7 +303,7 @@ static void look_at_clear(const struct plan *p, struct scratch *s, const struct 
 void blocked_by_choice(const struct plan *p, struct scratch *s, const struct choice *c,
                        const struct rays *r, const double *far, uint64_t *barrier)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
 
     memcpy(v->far, far, (size_t)r->n * sizeof *far);
     for (int i = r->n; i % WIDE; i++)

@@ -79,7 +79,7 @@ static void take_convex(const struct plan *p, struct volley *v, int i, uint32_t 
 static void nearest_of_convex(const struct plan *p, struct scratch *s, const struct csg *csg,
                               struct lanes_asked *asked)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     struct convex_work *w = s->convex;
 
     for (int at = 0; convex_gather(w, &v->rays, asked, &at);) {
@@ -97,6 +97,36 @@ static void nearest_of_convex(const struct plan *p, struct scratch *s, const str
     }
 }
 
+/* ---- what is placed often ---- */
+
+static void take_from_copy(struct volley *v, int i, uint32_t instance, struct meeting *m)
+{
+    struct found *f = &v->found;
+
+    m->instance = instance;
+    if (m->leaf != NO_LEAF && (m->t < f->t[i] || rank_of(instance, m->leaf) < f->rank[i]))
+        found_put(f, i, m);
+}
+
+static void nearest_of_copy(const struct plan *p, struct scratch *s, const struct instance *to,
+                            uint32_t number, const uint8_t *mask, struct lanes_asked *asked)
+{
+    struct volley *v = s->volley;
+    struct errands *e = &s->post->queue[0];
+    struct meeting met[ERRANDS];
+    double far[ERRANDS];
+    uint8_t masks[ERRANDS];
+
+    volley_errands(v, to, number, asked, e);
+    for (int k = 0; k < e->n; k++) {
+        far[k] = beyond(v->found.t[e->ray[k]]);
+        masks[k] = mask[e->ray[k]];
+    }
+    errands_nearest(p, s, e, far, masks, met);
+    for (int k = 0; k < e->n; k++)
+        take_from_copy(v, e->ray[k], number, &met[k]);
+}
+
 /* ---- what is no hot leaf: CSG of convex solids first, the rest ray by ray ---- */
 
 static void nearest_one_by_one(const struct plan *p, struct scratch *s, const struct few *few,
@@ -109,27 +139,32 @@ static void nearest_one_by_one(const struct plan *p, struct scratch *s, const st
     for (int i = 0; i < r->n; i++) {
         if (!may[i])
             continue;
-        found_get(&s->volley.found, i, &best[i]);
+        found_get(&s->volley->found, i, &best[i]);
         search_for(&search, r, i, mask, best);
         visit_nearest(&search, few->item, (uint32_t)may[i], &far);
         if (best[i].leaf != NO_LEAF)
-            found_put(&s->volley.found, i, &best[i]);
+            found_put(&s->volley->found, i, &best[i]);
     }
 }
 
 static void nearest_of_rest(const struct plan *p, struct scratch *s, const struct few *few,
                             uint32_t things, const struct rays *r, const uint8_t *mask)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     uint64_t may[PACKET] = { 0 };
 
     for (; things; things &= things - 1) {
         int k = __builtin_ctz(things);
         const struct csg *csg = convex_of(p, few->item[k]);
-        struct lanes_asked asked = csg ? lanes_that_see(&v->rays, mask, csg->mask)
-                                       : packet_all(&v->rays);
+        const struct instance *copy = copy_of(p, few->item[k]);
+        struct lanes_asked asked = csg || copy ? lanes_that_see(&v->rays, mask, csg ? csg->mask : copy->mask)
+                                               : packet_all(&v->rays);
         if (!volley_meets(v, few, k, v->found.t, &asked))
             continue;
+        if (copy) {
+            nearest_of_copy(p, s, copy, item_number(few->item[k]), mask, &asked);
+            continue;
+        }
         if (csg)
             nearest_of_convex(p, s, csg, &asked);
         lanes_note(&asked, &v->rays, k, may);
@@ -141,7 +176,7 @@ static void nearest_of_rest(const struct plan *p, struct scratch *s, const struc
 static uint32_t nearest_of_meshes(const struct plan *p, struct scratch *s, const struct few *few,
                                   uint32_t things, const uint8_t *mask)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     uint32_t rest = 0;
 
     for (; things; things &= things - 1) {
@@ -178,7 +213,7 @@ void nearest_of_choice(const struct plan *p, struct scratch *s, const struct cho
                        const struct rays *r, const double *far, const uint8_t *mask,
                        struct meeting *out)
 {
-    struct volley *v = &s->volley;
+    struct volley *v = s->volley;
     uint32_t rest = 0;
 
     volley_start(s, c, r, far);

@@ -28,6 +28,8 @@ struct space {
     size_t n_unbounded;
     struct few *few;                    /* all of it, if it is so little; else NULL */
     uint64_t opaque, clear;             /* bits of few: may block light, may filter it */
+    uint32_t *filled;                   /* items that may have an interior */
+    size_t n_filled;
     struct candidate *candidate;        /* of each item of the tree, for beams; NULL: too many */
 };
 
@@ -41,8 +43,6 @@ struct geometry {
     size_t n_space;
     struct csg *csg;
     size_t n_csg;
-    uint32_t *filled;                   /* items of the world that have an interior */
-    size_t n_filled;
 };
 
 /* A ray as the shape in a leaf sees it; t is the same. */
