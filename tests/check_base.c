@@ -62,6 +62,34 @@ START_TEST(test_an_array_grows_and_keeps_what_it_holds)
 }
 END_TEST
 
+/* A small array is copied, a large one moves as it is. */
+START_TEST(test_an_array_that_grew_is_taken_without_what_it_does_not_use)
+{
+    struct budget budget = { .limit = 0 };
+
+    for (uint32_t n = 100; n <= 1000 * 1000; n *= 10000) {
+        struct arena from, to;
+        size_t room = 0;
+        uint32_t *item = NULL, wrong = 0;
+        arena_init(&from, &budget);
+        arena_init(&to, &budget);
+        for (uint32_t i = 0; i < n; i++) {
+            item = arena_grow(&from, item, i, &room, sizeof *item);
+            item[i] = i + 7;
+        }
+        item = arena_take(&to, &from, item, n, sizeof *item);
+        ck_assert_uint_eq(budget.used, arena_size(&from) + arena_size(&to));
+        arena_free(&from);
+        for (uint32_t i = 0; i < n; i++)
+            wrong |= item[i] ^ (i + 7);
+        ck_assert_uint_eq(wrong, 0);
+        ck_assert_uint_le(arena_size(&to), n * sizeof *item + (1 << 15));
+        arena_free(&to);
+        ck_assert_uint_eq(budget.used, 0);
+    }
+}
+END_TEST
+
 START_TEST(test_memory_is_zeroed_and_aligned)
 {
     for (size_t size = 1; size < 100000; size = size * 3 + 1) {
@@ -299,6 +327,7 @@ int main(void)
     tcase_add_checked_fixture(t, setup, teardown);
     tcase_add_test(t, test_an_arena_goes_back_to_a_mark_and_gives_zeros);
     tcase_add_test(t, test_an_array_grows_and_keeps_what_it_holds);
+    tcase_add_test(t, test_an_array_that_grew_is_taken_without_what_it_does_not_use);
     tcase_add_test(t, test_memory_is_zeroed_and_aligned);
     tcase_add_test(t, test_a_budget_counts_what_arenas_hold_and_lets_go);
     tcase_add_exit_test(t, test_beyond_the_budget_the_handler_is_called, 4);

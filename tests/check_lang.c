@@ -340,13 +340,13 @@ START_TEST(test_equal_looks_are_kept_once)
                   "sphere { 0, 1 pigment { rgb <0,0,1> } } sphere { 0, 1 pigment { P scale 2 } }");
     const struct scene *s = lang_read(r.lang, r.path);
     ck_assert_uint_eq(s->n_object, 8);
-    ck_assert_ptr_eq(s->object[0]->texture, s->object[1]->texture);
-    ck_assert_ptr_eq(s->object[0]->texture, s->object[3]->texture);
-    ck_assert_ptr_ne(s->object[0]->texture, s->object[2]->texture);
-    ck_assert_ptr_ne(s->object[4]->texture, s->object[5]->texture);
-    ck_assert_float_eq(s->object[2]->texture->pigment->colour.r, 0.5f);
-    ck_assert_float_eq(s->object[7]->texture->pigment->colour.g, 1);
-    ck_assert_float_eq(s->object[7]->texture->pigment->colour.b, 0);
+    ck_assert_ptr_eq(s->listed[0].like->texture, s->listed[1].like->texture);
+    ck_assert_ptr_eq(s->listed[0].like->texture, s->listed[3].like->texture);
+    ck_assert_ptr_ne(s->listed[0].like->texture, s->listed[2].like->texture);
+    ck_assert_ptr_ne(s->listed[4].like->texture, s->listed[5].like->texture);
+    ck_assert_float_eq(s->listed[2].like->texture->pigment->colour.r, 0.5f);
+    ck_assert_float_eq(s->listed[7].like->texture->pigment->colour.g, 1);
+    ck_assert_float_eq(s->listed[7].like->texture->pigment->colour.b, 0);
     reading_end(&r);
 }
 END_TEST

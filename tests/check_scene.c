@@ -311,6 +311,29 @@ START_TEST(test_all_layers_of_a_texture_move)
 }
 END_TEST
 
+/* One that differs in anything else is not like the others. */
+START_TEST(test_shapes_that_differ_in_nothing_else_share_one_object)
+{
+    const struct ball size[] = { { 1 }, { 2 }, { 3 } };
+    struct object *o[4], room;
+    struct scene s;
+
+    scene_init(&s, &mem);
+    for (int i = 0; i < 4; i++) {
+        o[i] = ball_at(vec(0, 0, 0));
+        o[i]->place = &transform_identity;
+        o[i]->texture = &texture_default;
+        o[i]->shape = &size[i % 3];
+        o[i]->flags = i == 2 ? OBJECT_NO_SHADOW : 0;
+        ck_assert(scene_add(&s, o[i]) == (i == 1));
+    }
+    ck_assert(scene_object(&s, 0, &room) == o[0] && scene_object(&s, 2, &room) == o[2]);
+    const struct object *second = scene_object(&s, 1, &room);
+    ck_assert(second->shape == &size[1] && second->ops == &ball_ops && second->flags == 0);
+    ck_assert(scene_object(&s, 3, &room)->flags == 0);
+}
+END_TEST
+
 START_TEST(test_lights_in_unions_come_into_the_world_where_they_stand)
 {
     struct light lamp = light_default;
@@ -424,6 +447,7 @@ int main(void)
     tcase_add_test(t, test_trace_tells_a_miss);
     tcase_add_test(t, test_trace_of_an_intersection_needs_all);
     tcase_add_test(t, test_all_layers_of_a_texture_move);
+    tcase_add_test(t, test_shapes_that_differ_in_nothing_else_share_one_object);
     tcase_add_test(t, test_lights_in_unions_come_into_the_world_where_they_stand);
     tcase_add_test(t, test_what_a_light_looks_like_moves_with_it);
     tcase_add_test(t, test_the_dump_names_what_is_there);

@@ -256,3 +256,31 @@ void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t si
         memcpy(more, items, n * size);
     return more;
 }
+
+/* What cannot be made smaller stays as large as it is. */
+static struct arena_block *cut_large(struct arena *a, struct arena_block *b, size_t size)
+{
+    struct arena_block *cut = mremap(b, b->size, size, MREMAP_MAYMOVE);
+
+    if (cut == MAP_FAILED)
+        return b;
+    if (a->budget)
+        atomic_fetch_sub(&a->budget->used, cut->size - size);
+    cut->size = size;
+    return cut;
+}
+
+void *arena_take(struct arena *to, struct arena *from, void *items, size_t n, size_t size)
+{
+    struct arena_block **known = find_large(from, items), *b = *known;
+
+    if (!b)
+        return arena_copy(to, items, n * size);
+    *known = b->before;
+    from->n_large--;
+    b = cut_large(to, b, HEADER + n * size);
+    b->before = to->large;
+    to->large = b;
+    to->n_large++;
+    return (char *)b + HEADER;
+}

@@ -52,6 +52,7 @@ struct build {
     const struct texture *declared;     /* layers so far of a `#declare T = texture { } texture { }` */
     struct cached_image *image;         /* read already */
     const struct texture *reported;     /* looked at last for what cannot be shown */
+    struct object *spare;               /* free to become the next object; NULL: none */
 };
 
 struct build *build_of(struct lang *l);     /* made at the first call */

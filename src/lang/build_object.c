@@ -6,8 +6,13 @@
 
 struct object *object_start(struct lang *l, enum object_kind kind, struct loc at)
 {
-    struct object *o = object_new(l->scene_mem, kind);
+    struct object *o = l->build->spare;
 
+    if (o)
+        object_renew(o, kind);
+    else
+        o = object_new(l->scene_mem, kind);
+    l->build->spare = NULL;
     o->at = at;
     return o;
 }

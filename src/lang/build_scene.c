@@ -226,7 +226,8 @@ void build_add(struct lang *l, struct object *o)
         o->texture = build_of(l)->texture;
         l->build->glows |= o->texture->finish && glows(o->texture->finish);
     }
-    scene_add(l->scene, o);
+    if (scene_add(l->scene, o))
+        l->build->spare = o;
 }
 
 /* --- the top level ------------------------------------------------------------------------------ */

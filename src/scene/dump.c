@@ -433,7 +433,10 @@ void scene_dump(const struct scene *s, FILE *out)
         line(&p, "background { %s }", colour_text(TEXT, s->background));
     for (size_t i = 0; i < s->n_light; i++)
         dump_light(&p, &s->light[i]);
-    for (size_t i = 0; i < s->n_object; i++)
-        if (s->object[i]->kind != OBJECT_LIGHT)
-            dump_object(&p, s->object[i]);
+    for (size_t i = 0; i < s->n_object; i++) {
+        struct object room;
+        const struct object *o = scene_object(s, i, &room);
+        if (o->kind != OBJECT_LIGHT)
+            dump_object(&p, o);
+    }
 }

@@ -10,14 +10,29 @@ static struct object *room_for_one(struct arena *mem)
     return arena_alloc_aligned(mem, sizeof(struct object), _Alignof(struct object));
 }
 
+void object_renew(struct object *o, enum object_kind kind)
+{
+    *o = (struct object) { .kind = (uint8_t)kind, .place = &transform_identity,
+                           .more = &object_no_more };
+}
+
 struct object *object_new(struct arena *mem, enum object_kind kind)
 {
     struct object *o = room_for_one(mem);
 
-    o->kind = (uint8_t)kind;
-    o->place = &transform_identity;
-    o->more = &object_no_more;
+    object_renew(o, kind);
     return o;
+}
+
+/* What has an interior is a solid of its own, and what has clips is no shape
+ * alone: such things are in more. */
+bool object_is_like(const struct object *a, const struct object *b)
+{
+    return a->kind == OBJECT_SHAPE && b->kind == OBJECT_SHAPE && a->ops == b->ops
+           && a->texture == b->texture && a->place == b->place && a->more == &object_no_more
+           && b->more == &object_no_more && a->flags == b->flags
+           && a->flags_given == b->flags_given && a->keep_whole == b->keep_whole
+           && a->name == b->name;
 }
 
 struct object *object_copy(struct arena *mem, const struct object *o)

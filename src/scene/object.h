@@ -100,6 +100,10 @@ struct object {
 extern const struct object_more object_no_more;
 
 struct object *object_new(struct arena *mem, enum object_kind kind);
+void object_renew(struct object *o, enum object_kind kind);     /* what it was is forgotten */
+
+/* Two shapes of which everything else is the same, and shared. */
+bool object_is_like(const struct object *a, const struct object *b);
 
 /* What few nodes have, to be written to. */
 struct object_more *object_more(struct arena *mem, struct object *o);

@@ -70,9 +70,34 @@ static void add_lights(struct scene *s, const struct object *o, const struct tra
         add_lights(s, o->child[i], &inner);
 }
 
-void scene_add(struct scene *s, struct object *o)
+/* An earlier object like this one, or o, which later ones may be like. */
+static const struct object *kind_of(struct scene *s, const struct object *o)
 {
-    s->object = arena_grow(s->mem, s->object, s->n_object, &s->room_object, sizeof *s->object);
-    s->object[s->n_object++] = o;
+    uintptr_t by = (uintptr_t)o->texture >> 4 ^ (uintptr_t)o->ops >> 3;
+    const struct object **known = &s->kind[(by ^ by >> 6) % SCENE_KINDS];
+
+    if (!*known || !object_is_like(*known, o))
+        *known = o;
+    return *known;
+}
+
+bool scene_add(struct scene *s, struct object *o)
+{
+    const struct object *like = o->kind == OBJECT_SHAPE ? kind_of(s, o) : o;
+
+    s->listed = arena_grow(s->mem, s->listed, s->n_object, &s->room_object, sizeof *s->listed);
+    s->listed[s->n_object++] = (struct listed) { like, o->shape };
     add_lights(s, o, &transform_identity);
+    return like != o;
+}
+
+const struct object *scene_object(const struct scene *s, size_t i, struct object *room)
+{
+    const struct listed *l = &s->listed[i];
+
+    if (l->like->shape == l->shape)
+        return l->like;
+    *room = *l->like;
+    room->shape = l->shape;
+    return room;
 }

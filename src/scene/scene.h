@@ -37,14 +37,24 @@ struct settings {
     bool has_assumed_gamma;
 };
 
+/* An object of the world.  Of shapes that differ in nothing else one stands for
+ * all, and only their shapes are kept: there may be millions. */
+struct listed {
+    const struct object *like;
+    const void *shape;                  /* instead of like's */
+};
+
+enum { SCENE_KINDS = 64 };
+
 struct scene {
     struct arena *mem;
     struct settings settings;
     struct camera camera;
     colour background;
     bool has_background;
-    struct object **object;             /* in the world; lights among them are in light[] too */
+    struct listed *listed;              /* in the world; lights among them are in light[] too */
     size_t n_object, room_object;
+    const struct object *kind[SCENE_KINDS];     /* some of those that others may be like */
     struct light *light;                /* in the world, also those that stood in unions */
     size_t n_light, room_light;
     const struct sky_sphere *sky_sphere;    /* the last one; NULL: none */
@@ -56,8 +66,10 @@ extern const struct settings settings_default;
 extern const struct field settings_fields[];        /* words of global_settings { } */
 
 void scene_init(struct scene *s, struct arena *mem);
-/* Adds a top-level object; the lights inside it come into light[]. */
-void scene_add(struct scene *s, struct object *o);
+/* Adds a top-level object; the lights inside it come into light[].  True: it is
+ * like another, so that o itself is free to become something else. */
+bool scene_add(struct scene *s, struct object *o);
+const struct object *scene_object(const struct scene *s, size_t i, struct object *room);  /* perhaps in room */
 void scene_add_light(struct scene *s, const struct light *l);
 
 /* A readable listing (--dump=scene). */

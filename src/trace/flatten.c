@@ -240,11 +240,10 @@ static const struct mesh_tree *mesh_of(struct builder *b, const struct mesh *m)
 /* The leaf of a shape or mesh whose context is c, and its bounds; NO_LEAF:
  * there is nothing to see. */
 static uint32_t add_leaf(struct builder *b, const struct object *o, const struct context *c,
-                         uint32_t csg, bool is_silent, struct bounds *bounds)
+                         bool is_silent, struct bounds *bounds)
 {
     struct plan *p = b->plan;
-    struct leaf l = { .placement = c->placement, .csg = csg, .mask = mask_of(c->flags),
-                      .inverse = c->inverse };
+    struct leaf l = { .placement = c->placement, .mask = mask_of(c->flags), .inverse = c->inverse };
 
     if (o->kind == OBJECT_MESH) {
         l.mesh = mesh_of(b, o->mesh);
@@ -268,7 +267,6 @@ static uint32_t add_leaf(struct builder *b, const struct object *o, const struct
 
 struct csg_builder {
     struct builder *b;
-    uint32_t number;                    /* of the root */
     struct csg_node *node;
     struct csg_part *part;
     uint32_t *at_rest;
@@ -323,7 +321,7 @@ static struct bounds csg_leaf(struct csg_builder *c, const struct object *o,
 {
     struct builder *b = c->b;
     struct bounds bounds;
-    uint32_t number = add_leaf(b, o, within_o, c->number, is_silent, &bounds);
+    uint32_t number = add_leaf(b, o, within_o, is_silent, &bounds);
 
     c->node[parent].n_child++;
     if (number == NO_LEAF) {            /* nothing, or inverted: everything */
@@ -427,8 +425,7 @@ static void add_csg(struct builder *b, const struct object *o, const struct cont
 {
     struct geometry *g = b->geometry;
     size_t first_leaf = b->plan->n_leaf;
-    struct csg_builder c = { .b = b, .number = (uint32_t)g->n_csg, .seen = BOUNDS_EMPTY,
-                             .surface_leaf = NO_LEAF };
+    struct csg_builder c = { .b = b, .seen = BOUNDS_EMPTY, .surface_leaf = NO_LEAF };
     struct arena *mem = b->plan->mem;
 
     /* The node above the root keeps every part's parent a node. */
@@ -575,7 +572,7 @@ static void add_object(struct builder *b, const struct object *o, const struct c
         return;
     }
     struct bounds bounds;
-    uint32_t leaf = add_leaf(b, o, &c, NO_LEAF, false, &bounds);
+    uint32_t leaf = add_leaf(b, o, &c, false, &bounds);
     if (leaf != NO_LEAF)
         items_add(b, item_of(ITEM_LEAF, leaf), bounds);
 }
@@ -891,15 +888,23 @@ static void add_lamps(struct builder *b)
         }
 }
 
-/* What grew in scrap moves to the plan; the CSG roots learn where the leaves
- * ended up. */
+/* No more leaves and placements will come: they leave scrap before the largest
+ * tree needs memory. */
+static void take_leaves(struct builder *b)
+{
+    struct plan *p = b->plan;
+
+    p->leaf = arena_take(p->mem, &b->scrap, p->leaf, p->n_leaf, sizeof *p->leaf);
+    p->instance = arena_take(p->mem, &b->scrap, p->instance, p->n_instance, sizeof *p->instance);
+}
+
+/* What else grew in scrap moves to the plan; the CSG roots learn where the
+ * leaves ended up. */
 static void settle(struct builder *b)
 {
     struct plan *p = b->plan;
     struct geometry *g = b->geometry;
 
-    p->leaf = arena_copy(p->mem, p->leaf, p->n_leaf * sizeof *p->leaf);
-    p->instance = arena_copy(p->mem, p->instance, p->n_instance * sizeof *p->instance);
     g->csg = arena_copy(p->mem, g->csg, g->n_csg * sizeof *g->csg);
     for (size_t i = 0; i < g->n_csg; i++) {
         g->csg[i].leaf = p->leaf;
@@ -929,12 +934,15 @@ void geometry_build(struct plan *p, unsigned threads)
     arena_init(&b.scrap, p->mem->budget);
     b.geometry = arena_alloc(p->mem, sizeof *b.geometry);
     p->geometry = b.geometry;
-    share_init(&b.share, (const struct object *const *)s->object, s->n_object, &b.scrap);
+    share_init(&b.share, s, &b.scrap);
     b.items = &items;
     b.space = new_space(&b);
-    for (size_t i = 0; i < s->n_object; i++)
-        add_object(&b, s->object[i], &top);
+    for (size_t i = 0; i < s->n_object; i++) {
+        struct object room;
+        add_object(&b, scene_object(s, i, &room), &top);
+    }
     add_lamps(&b);
+    take_leaves(&b);
     finish_space(&b, 0, &items);
     settle(&b);
     b.geometry->space = arena_copy(p->mem, b.geometry->space,

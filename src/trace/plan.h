@@ -27,7 +27,7 @@ struct placement {
 };
 
 /* One shape placed in the world, or in an instance's space.  There may be
- * millions: 40 bytes each. */
+ * millions: 32 bytes each. */
 struct leaf {
     const struct shape_ops *ops;        /* this build's own table's; NULL: a mesh */
     union {
@@ -36,7 +36,6 @@ struct leaf {
     };
     const struct placement *placement;  /* NULL: where the shape says */
     uint32_t surface;                   /* of plan->surface; NO_LEAF: the instance's */
-    uint32_t csg;                       /* the root it belongs to, or NO_LEAF */
     uint8_t mask;                       /* enum ray_mask */
     bool inverse;                       /* its normal and its inside are turned */
 };

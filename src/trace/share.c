@@ -87,12 +87,12 @@ static struct shared look_at(struct share *s, const struct object *o)
     return sum;
 }
 
-void share_init(struct share *s, const struct object *const object[], size_t n, struct arena *mem)
+void share_init(struct share *s, const struct scene *scene, struct arena *mem)
 {
     *s = (struct share) { .mem = mem };
     grow(s);
-    for (size_t i = 0; i < n; i++)
-        look_at(s, object[i]);
+    for (size_t i = 0; i < scene->n_object; i++)
+        look_at(s, scene->listed[i].like);
 }
 
 const struct shared *share_find(const struct share *s, const struct object *o)

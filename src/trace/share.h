@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "scene/object.h"
+#include "scene/scene.h"
 
 /* The children of a declared union; its copies point to the same. */
 struct shared {
@@ -21,7 +21,7 @@ struct share {
     size_t n, room;                     /* room: a power of two */
 };
 
-void share_init(struct share *s, const struct object *const object[], size_t n, struct arena *mem);
+void share_init(struct share *s, const struct scene *scene, struct arena *mem);
 const struct shared *share_find(const struct share *s, const struct object *o);
 bool share_is_worth_it(const struct shared *s, bool is_csg);
 
