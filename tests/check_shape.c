@@ -11,6 +11,7 @@
 #include "shape/packet.h"
 #include "shape/shapes.h"
 #include "shape/triangle.h"
+#include "shape/unit.h"
 
 static struct arena mem;
 static uint64_t state;
@@ -534,6 +535,14 @@ START_TEST(test_a_sphere_is_hit_or_missed_rightly)
 }
 END_TEST
 
+START_TEST(test_a_unit_from_the_bits_of_a_size_is_the_same)
+{
+    for (int e = -1074; e < 1024; e++)
+        for (double x = 1; x < 2; x += 0.37)
+            ck_assert(unit_of(ldexp(x, e)) == unit_for(ldexp(x, e)));
+}
+END_TEST
+
 START_TEST(test_a_sphere_of_any_size_is_the_same)
 {
     for (int e = -300; e <= 300; e += 50) {
@@ -877,6 +886,7 @@ int main(void)
     tcase_add_loop_test(rows, test_odd_rays_do_no_harm, 0, n);
     tcase_add_loop_test(exact, test_hits_lie_on_the_surface, 0, N_ON_SURFACE);
     tcase_add_loop_test(exact, test_a_sphere_is_hit_or_missed_rightly, 0, 2);
+    tcase_add_test(exact, test_a_unit_from_the_bits_of_a_size_is_the_same);
     tcase_add_test(exact, test_a_sphere_of_any_size_is_the_same);
     tcase_add_loop_test(exact, test_a_cone_is_hit_or_missed_rightly, 0, 6);
     tcase_add_test(exact, test_an_open_cone_has_its_wall_alone);

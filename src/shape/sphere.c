@@ -3,11 +3,11 @@
 #include "math/dd.h"
 #include "shape/packet.h"
 
+/* There may be millions, so what follows from the radius is not kept: working
+ * it out takes less time than reading more memory. */
 struct sphere {
     vec3 centre;
     double radius;
-    double unit, size;                  /* a power of two and its reciprocal */
-    double r;                           /* radius * unit: 1 to 2 */
 };
 
 static const struct sphere defaults = { .radius = 1 };
@@ -28,10 +28,20 @@ static const char *prepare(void *self, struct arena *mem)
         return "zero radius";
     if (!isfinite(s->radius) || !vec_is_finite(s->centre))
         return "not finite";
-    s->unit = unit_for(s->radius);
-    s->size = 1 / s->unit;
-    s->r = s->radius * s->unit;
     return NULL;
+}
+
+struct measure {
+    vec3 centre;
+    double unit, size;                  /* a power of two and its reciprocal */
+    double r;                           /* radius * unit: 1 to 2 */
+};
+
+INLINE struct measure measure_of(const struct sphere *s)
+{
+    double unit = unit_of(s->radius);
+
+    return (struct measure) { s->centre, unit, 1 / unit, s->radius * unit };
 }
 
 static struct bounds bounds(const void *self)
@@ -44,7 +54,7 @@ static struct bounds bounds(const void *self)
 
 /* The same in double-double, about the point at mid, which need not be the
  * closest one: decides what the error bound of cut() leaves open. */
-static __attribute__((noinline)) bool cut_closely(const struct sphere *s, struct ray ray,
+static __attribute__((noinline)) bool cut_closely(const struct measure *s, struct ray ray,
                                                   double mid, struct span *out)
 {
     dd a = dd_of(0), b = dd_of(0), c = dd_neg(dd_product(s->r, s->r));
@@ -75,7 +85,7 @@ struct approach {
     bool is_close;                      /* to touching the sphere: left may have either sign */
 };
 
-INLINE struct approach approach_of(const struct sphere *s, struct ray ray)
+INLINE struct approach approach_of(const struct measure *s, struct ray ray)
 {
     vec3 from = vec_scale(vec_sub(ray.origin, s->centre), s->unit);
     double inverse = 1 / vec_dot(ray.dir, ray.dir);
@@ -89,12 +99,13 @@ INLINE struct approach approach_of(const struct sphere *s, struct ray ray)
 
 INLINE bool cut(const void *self, struct ray ray, struct span *out)
 {
-    const struct sphere *s = self;
-    struct approach a = approach_of(s, ray);
+    struct measure s = measure_of(self);
+    struct approach a = approach_of(&s, ray);
 
     if (UNLIKELY(a.is_close)) {
-        struct span close;              /* so that out need not live in memory */
-        bool meets = cut_closely(s, ray, a.mid, &close);
+        struct measure copy = s;        /* so that neither need live in memory */
+        struct span close;
+        bool meets = cut_closely(&copy, ray, a.mid, &close);
         if (meets)
             *out = close;
         return meets;
@@ -102,7 +113,7 @@ INLINE bool cut(const void *self, struct ray ray, struct span *out)
     if (!(a.left > 0))
         return false;
     double half = sqrt(a.left * a.inverse);
-    *out = (struct span) { (a.mid - half) * s->size, (a.mid + half) * s->size, 0, 0 };
+    *out = (struct span) { (a.mid - half) * s.size, (a.mid + half) * s.size, 0, 0 };
     return true;
 }
 
@@ -111,7 +122,7 @@ KERNEL static void chords(const struct sphere *s, int n, const double *restrict 
                           const double *restrict dx, const double *restrict dy,
                           const double *restrict dz, double *restrict near, double *restrict far)
 {
-    const struct sphere own = *s;
+    const struct measure own = measure_of(s);
 
     for (int i = 0; i < n; i++) {
         struct ray ray = { { x[i], y[i], z[i] }, { dx[i], dy[i], dz[i] } };
@@ -147,20 +158,20 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
 INLINE wide_mask cut_many(const void *self, const struct wide_ray *r, struct wide_span *out,
                           wide_mask *unsure)
 {
-    const struct sphere *s = self;
-    struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s->centre), s->unit);
+    struct measure s = measure_of(self);
+    struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s.centre), s.unit);
     wide inverse = 1 / wide_dot(r->d, r->d);
     wide mid = -wide_dot(from, r->d) * inverse;
     struct wide3 c = wide3_fma(from, mid, r->d);
-    wide left = wide_fma(wide_of(s->r), wide_of(s->r), -wide_dot(c, c));
-    wide error = 4 * ROUNDING * (wide3_sum_abs(from) + s->r);
+    wide left = wide_fma(wide_of(s.r), wide_of(s.r), -wide_dot(c, c));
+    wide error = 4 * ROUNDING * (wide3_sum_abs(from) + s.r);
     wide_mask met = wide_below(wide_of(0), left);
 
-    *unsure |= wide_at_most(wide_abs(left), error * (4 * s->r + error));
+    *unsure |= wide_at_most(wide_abs(left), error * (4 * s.r + error));
     if (!wide_bits(met))
         return met;
     wide half = wide_sqrt(left * inverse);
-    *out = (struct wide_span) { (mid - half) * s->size, (mid + half) * s->size,
+    *out = (struct wide_span) { (mid - half) * s.size, (mid + half) * s.size,
                                 wide_ints_of(0), wide_ints_of(0) };
     return met;
 }
@@ -173,10 +184,10 @@ static void hits_many(const void *self, const struct packet *p, const uint8_t ma
 
 static bool inside(const void *self, vec3 p)
 {
-    const struct sphere *s = self;
-    vec3 q = vec_scale(vec_sub(p, s->centre), s->unit);
+    struct measure s = measure_of(self);
+    vec3 q = vec_scale(vec_sub(p, s.centre), s.unit);
 
-    return vec_dot(q, q) < s->r * s->r;
+    return vec_dot(q, q) < s.r * s.r;
 }
 
 static vec3 normal(const void *self, vec3 p, const struct hit *h)

@@ -18,6 +18,18 @@ static inline double unit_for(double size)
     return ldexp(1, e < -1000 ? 1000 : e > 1000 ? -1000 : -e);
 }
 
+/* The same for a size above 0, in a few steps: from the bits of its exponent. */
+static inline double unit_of(double size)
+{
+    enum { BIAS = 1023, MOST = 1000 };
+    union { double value; int64_t bits; } u = { .value = size };
+    int64_t e = (u.bits >> 52) - BIAS;
+
+    e = e < -MOST ? -MOST : e > MOST ? MOST : e;
+    u.bits = (BIAS - e) << 52;
+    return u.value;
+}
+
 static inline double vec_sum_abs(vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 
 static inline double length_of(vec3 a)
