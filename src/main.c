@@ -177,7 +177,7 @@ static struct scene *read_scene(struct run *r)
 }
 
 /* scene -> plan */
-static struct plan *make_plan(struct run *r, const struct scene *scene)
+static struct plan *make_plan(struct run *r, struct scene *scene)
 {
     struct plan *plan = r->engine->plan_new(scene, &r->plan_mem, threads(r->o));
 
@@ -225,7 +225,7 @@ static void count_scene(struct run *r, const struct scene *scene)
 
 /* The output is opened before the plan is made: whoever gave a wrong name
  * need not wait for that. */
-static int make_picture(struct run *r, const struct scene *scene)
+static int make_picture(struct run *r, struct scene *scene)
 {
     struct picture picture;
     struct render_options ro = { 0 };

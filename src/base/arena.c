@@ -16,7 +16,7 @@ struct arena_block {
 };
 
 enum { ALIGN = 16, HEADER = (sizeof(struct arena_block) + 15) & ~15, FIRST_BLOCK = 1 << 14, LARGEST_STEP = 1 << 22,
-       LARGE_ARRAY = 1 << 20 };
+       LARGE = 1 << 16 };
 
 void arena_init(struct arena *a, struct budget *budget)
 {
@@ -45,8 +45,31 @@ static void charge(struct arena *a, size_t size)
         fail_at_limit(a);
 }
 
+/* Zeroed.  Large blocks come from the system and go back to it when they end;
+ * malloc would keep some of them. */
+static struct arena_block *take(struct arena *a, size_t size)
+{
+    charge(a, size);
+    void *b = size < LARGE ? calloc(1, size)
+                           : mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (!b || b == MAP_FAILED)
+        fail(a, 0);
+    *(struct arena_block *)b = (struct arena_block) { .size = size, .used = HEADER };
+    return b;
+}
+
+static void give_back(struct arena *a, struct arena_block *b)
+{
+    if (a->budget)
+        atomic_fetch_sub(&a->budget->used, b->size);
+    if (b->size < LARGE)
+        free(b);
+    else
+        munmap(b, b->size);
+}
+
 /* Blocks double, so that a small scene costs one page or four and a large
- * one few calls; zeroed by calloc, which the system gives for nothing. */
+ * one few calls. */
 static struct arena_block *new_block(struct arena *a, size_t need)
 {
     size_t size = a->block ? a->block->size * 2 : FIRST_BLOCK;
@@ -55,12 +78,7 @@ static struct arena_block *new_block(struct arena *a, size_t need)
         size = LARGEST_STEP;
     if (size < need)
         size = need;
-    charge(a, size);
-    struct arena_block *b = calloc(1, size);
-    if (!b)
-        fail(a, 0);
-    b->size = size;
-    b->used = HEADER;
+    struct arena_block *b = take(a, size);
     b->before = a->block;
     a->block = b;
     return b;
@@ -151,9 +169,7 @@ static void drop_large(struct arena *a)
 
     a->large = b->before;
     a->n_large--;
-    if (a->budget)
-        atomic_fetch_sub(&a->budget->used, b->size);
-    munmap(b, b->size);
+    give_back(a, b);
 }
 
 static void drop_block(struct arena *a)
@@ -161,9 +177,7 @@ static void drop_block(struct arena *a)
     struct arena_block *b = a->block;
 
     a->block = b->before;
-    if (a->budget)
-        atomic_fetch_sub(&a->budget->used, b->size);
-    free(b);
+    give_back(a, b);
 }
 
 static void clear(struct arena_block *b, size_t from)
@@ -190,13 +204,8 @@ void arena_free(struct arena *a)
 {
     while (a->large)
         drop_large(a);
-    if (a->budget)
-        atomic_fetch_sub(&a->budget->used, arena_size(a));
-    while (a->block) {
-        struct arena_block *before = a->block->before;
-        free(a->block);
-        a->block = before;
-    }
+    while (a->block)
+        drop_block(a);
 }
 
 /* --- arrays that grow -------------------------------------------------------- */
@@ -205,13 +214,9 @@ void arena_free(struct arena *a)
  * is more room without copying: no old copies are left behind. */
 static void *new_large(struct arena *a, const void *items, size_t used, size_t size)
 {
-    size += HEADER;
-    charge(a, size);
-    struct arena_block *b = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
-                                 -1, 0);
-    if (b == MAP_FAILED)
-        fail(a, 0);
-    *b = (struct arena_block) { .before = a->large, .size = size };
+    struct arena_block *b = take(a, HEADER + size);
+
+    b->before = a->large;
     a->large = b;
     a->n_large++;
     return used ? memcpy((char *)b + HEADER, items, used) : (char *)b + HEADER;
@@ -247,7 +252,7 @@ void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t si
     *room = *room ? *room * 2 : 8;
     if (__builtin_mul_overflow(*room, size, &bytes) || bytes > SIZE_MAX / 4)
         fail_at_limit(a);
-    if (bytes >= LARGE_ARRAY) {
+    if (bytes >= LARGE) {
         struct arena_block **known = find_large(a, items);
         return *known ? grow_large(a, known, bytes) : new_large(a, items, n * size, bytes);
     }
@@ -257,10 +262,21 @@ void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t si
     return more;
 }
 
+void arena_drop(struct arena *a, void *items)
+{
+    struct arena_block **known = find_large(a, items), *b = *known;
+
+    if (!b)
+        return;
+    *known = b->before;
+    a->n_large--;
+    give_back(a, b);
+}
+
 /* What cannot be made smaller stays as large as it is. */
 static struct arena_block *cut_large(struct arena *a, struct arena_block *b, size_t size)
 {
-    struct arena_block *cut = mremap(b, b->size, size, MREMAP_MAYMOVE);
+    struct arena_block *cut = size < LARGE ? MAP_FAILED : mremap(b, b->size, size, MREMAP_MAYMOVE);
 
     if (cut == MAP_FAILED)
         return b;

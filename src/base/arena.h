@@ -45,6 +45,9 @@ void arena_recycle(struct arena *a, struct arena_mark mark);
  * fits behind n; the old copy of a small array stays in the arena until it ends. */
 void *arena_grow(struct arena *a, void *items, size_t n, size_t *room, size_t size);
 
+/* An array that grew and is needed no more; memory comes back if it was large. */
+void arena_drop(struct arena *a, void *items);
+
 /* n items that grew in from become to's and grow no more.  A large array is not
  * copied but given over, without what it does not use. */
 void *arena_take(struct arena *to, struct arena *from, void *items, size_t n, size_t size);

@@ -101,3 +101,10 @@ const struct object *scene_object(const struct scene *s, size_t i, struct object
     room->shape = l->shape;
     return room;
 }
+
+void scene_forget_objects(struct scene *s)
+{
+    arena_drop(s->mem, s->listed);
+    s->listed = NULL;
+    s->n_object = s->room_object = 0;
+}

@@ -70,6 +70,7 @@ void scene_init(struct scene *s, struct arena *mem);
  * like another, so that o itself is free to become something else. */
 bool scene_add(struct scene *s, struct object *o);
 const struct object *scene_object(const struct scene *s, size_t i, struct object *room);  /* perhaps in room */
+void scene_forget_objects(struct scene *s);     /* the list of them; what they point to stays */
 void scene_add_light(struct scene *s, const struct light *l);
 
 /* A readable listing (--dump=scene). */

@@ -21,7 +21,8 @@ enum {
     CELL = 1024,                /* items that lie together */
     FULL_LEAVES = 6,            /* a node's, when as many as can be are leaves of one */
     UNDIVIDED = 4096,           /* as many are quick enough to divide without cells */
-    PART = 4096,                /* items that make a job of their own */
+    PART = 4096,                /* items that make a job of their own, ... */
+    MOST_PARTS = 64,            /* ... or more, so that this is enough for all */
 };
 
 /* An item's box in the tree's own unit: as struct box, without what is free
@@ -244,17 +245,17 @@ static void build_parts(struct parts *all, unsigned threads)
         arena_free(&all->yard[i].mem);
 }
 
-static void cut_into_parts(struct parts *all, const struct cells *c)
+static void cut_into_parts(struct parts *all, const struct cells *c, size_t n)
 {
     struct ref *whole = arena_array(all->mem, c->n, sizeof *whole);
     uint32_t *root = arena_array(all->mem, c->n, sizeof *root);
-    uint32_t end = 0;
+    uint32_t end = 0, enough = (uint32_t)(n / MOST_PARTS);
 
     all->part = arena_array(all->mem, c->n, sizeof *all->part);
     for (size_t i = 0; i < c->n; i++) {
         if (c->cell[i].first >= end) {
             all->part[all->n++] = (struct part) { .cell = &c->cell[i], .whole = &whole[i], .root = &root[i] };
-            end = c->cell[i].first + PART;
+            end = c->cell[i].first + (enough > PART ? enough : PART);
         }
         all->part[all->n - 1].n++;
         all->most = c->cell[i].n > all->most ? c->cell[i].n : all->most;
@@ -386,7 +387,7 @@ void bvh_build(struct bvh *tree, size_t n, struct bounds (*box)(const void *of, 
     all.side = begin(tree, &source, mem, &scrap);
     all.item = tree->item;
     cells_make(&cells, tree->item, (uint32_t)n, n > UNDIVIDED ? CELL : UNDIVIDED, middle_of, all.side);
-    cut_into_parts(&all, &cells);
+    cut_into_parts(&all, &cells, n);
     build_parts(&all, threads);
     struct builder top = { .mem = &scrap, .leaf_size = 1, .enough = 1 };
     build_top(&top, &all, cells.n);

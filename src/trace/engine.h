@@ -8,7 +8,7 @@
 #include "trace/render.h"
 
 struct engine {
-    struct plan *(*plan_new)(const struct scene *s, struct arena *mem, unsigned threads);
+    struct plan *(*plan_new)(struct scene *s, struct arena *mem, unsigned threads);
     void (*plan_explain)(const struct plan *p, FILE *out);
     void (*plan_dump)(const struct plan *p, FILE *out);
     bool (*render)(const struct plan *p, const struct render_options *o,

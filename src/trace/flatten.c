@@ -888,12 +888,13 @@ static void add_lamps(struct builder *b)
         }
 }
 
-/* No more leaves and placements will come: they leave scrap before the largest
- * tree needs memory. */
-static void take_leaves(struct builder *b)
+/* No more leaves and placements will come: they leave scrap, and the objects
+ * they were made of are left, before the largest tree needs memory. */
+static void take_leaves(struct builder *b, struct scene *s)
 {
     struct plan *p = b->plan;
 
+    scene_forget_objects(s);
     p->leaf = arena_take(p->mem, &b->scrap, p->leaf, p->n_leaf, sizeof *p->leaf);
     p->instance = arena_take(p->mem, &b->scrap, p->instance, p->n_instance, sizeof *p->instance);
 }
@@ -925,10 +926,9 @@ static void note_what_is_left_out(const struct builder *b)
                   b->n_cutaway);
 }
 
-void geometry_build(struct plan *p, unsigned threads)
+void geometry_build(struct plan *p, struct scene *s, unsigned threads)
 {
     struct builder b = { .plan = p, .threads = threads };
-    const struct scene *s = p->scene;
     struct items items = { .whole = BOUNDS_EMPTY };
 
     arena_init(&b.scrap, p->mem->budget);
@@ -942,7 +942,7 @@ void geometry_build(struct plan *p, unsigned threads)
         add_object(&b, scene_object(s, i, &room), &top);
     }
     add_lamps(&b);
-    take_leaves(&b);
+    take_leaves(&b, s);
     finish_space(&b, 0, &items);
     settle(&b);
     b.geometry->space = arena_copy(p->mem, b.geometry->space,

@@ -20,9 +20,10 @@ struct meeting {
 struct scratch;
 struct scratch *scratch_new(const struct plan *p, struct arena *mem);
 
-/* Makes plan->leaf and plan->geometry from plan->scene; surface_of (surface.c)
- * is called once for each distinct look and returns its number. */
-void geometry_build(struct plan *p, unsigned threads);
+/* Makes plan->leaf and plan->geometry from the scene's objects, whose list is
+ * given up; surface_of (surface.c) is called once for each distinct look and
+ * returns its number. */
+void geometry_build(struct plan *p, struct scene *s, unsigned threads);
 
 /* The nearest meeting with 0 < t < far that mask may see. */
 bool geometry_nearest(const struct plan *p, struct scratch *s, struct ray ray, double far,

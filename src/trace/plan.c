@@ -8,7 +8,7 @@
 #include "trace/surface.h"
 #include "trace/world.h"
 
-struct plan *plan_new(const struct scene *s, struct arena *mem, unsigned threads)
+struct plan *plan_new(struct scene *s, struct arena *mem, unsigned threads)
 {
     struct plan *p = arena_alloc(mem, sizeof *p);
 
@@ -17,7 +17,7 @@ struct plan *plan_new(const struct scene *s, struct arena *mem, unsigned threads
     p->camera = s->camera;
     p->light = s->light;
     p->n_light = s->n_light;
-    geometry_build(p, threads);
+    geometry_build(p, s, threads);
     shader_build(p);
     return p;
 }

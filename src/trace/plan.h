@@ -89,8 +89,9 @@ struct plan {
     size_t n_note;
 };
 
-/* threads: for building the trees. */
-struct plan *plan_new(const struct scene *s, struct arena *mem, unsigned threads);
+/* The scene's objects become the plan's: its list of them is given up.
+ * threads: for building the trees. */
+struct plan *plan_new(struct scene *s, struct arena *mem, unsigned threads);
 void plan_note(struct plan *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void plan_explain(const struct plan *p, FILE *out);     /* --explain */
 void plan_dump(const struct plan *p, FILE *out);        /* --dump=plan */
