@@ -575,7 +575,7 @@ static bool statement(struct parse *p, struct ast *item, int ahead)
     scanner_uncover(p);
     p->run(p->lang, p->root);
     forget(p, ahead);
-    return !p->lang->stopped;
+    return !p->lang->stopped && !p->rest_taken;
 }
 
 struct parse *parse_start(struct lang *l, uint32_t source)
@@ -620,7 +620,9 @@ void parse_and_run(struct lang *l, uint32_t source,
 
     p->mem = &l->statements;
     p->run = run;
+    l->streamed = p;
     parse_all(p);
+    l->streamed = NULL;
     run(l, p->root);
 }
 

@@ -90,6 +90,14 @@ double working_encode(const struct settings *s, double linear)
     return linear;
 }
 
+/* A scene's colours are decoded in single precision, as POV-Ray does it. */
+static double srgb_decode_single(double v)
+{
+    float x = (float)v;
+
+    return (double)(x < 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f));
+}
+
 static void decode_srgb(struct reader *r, struct loc at, double c[5])
 {
     const struct settings *s = &r->lang->scene->settings;
@@ -101,7 +109,7 @@ static void decode_srgb(struct reader *r, struct loc at, double c[5])
     }
     if (s->space != SPACE_SRGB)
         for (int i = 0; i < 3; i++)
-            c[i] = working_encode(s, srgb_decode(c[i]));
+            c[i] = working_encode(s, srgb_decode_single(c[i]));
 }
 
 /* A lone number fills what the word promises; too many components warn and

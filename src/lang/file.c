@@ -6,6 +6,7 @@
 #include "lang/file.h"
 
 #include <dirent.h>
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -433,9 +434,10 @@ static bool read_number(struct handle *h, double *out)
     bool minus = false;
 
     skip_space(h);
-    for (; h->next == '-' || h->next == '+'; skip_space(h)) {
-        minus = minus != (h->next == '-');
+    if (h->next == '-' || h->next == '+') {
+        minus = h->next == '-';
         advance(h);
+        skip_space(h);
     }
     while (h->next != EOF && h->next != 0 && n < sizeof text - 1
            && (strchr("0123456789.eE", h->next)
@@ -445,7 +447,8 @@ static bool read_number(struct handle *h, double *out)
     }
     text[n] = '\0';
     *out = number_of_text(text) * (minus ? -1 : 1);
-    return n > 0;
+    char *point = strchr(text, '.');
+    return n > 0 && !(point && strchr(point + 1, '.'));
 }
 
 static bool read_vector(struct handle *h, struct value *out)
@@ -504,26 +507,34 @@ static bool read_one(struct lang *l, struct handle *h, struct value *out)
     return true;
 }
 
-static bool read_comma(struct handle *h)
+static void lose_word(struct handle *h)
 {
-    skip_space(h);
-    if (h->next != ',')
-        return false;
-    advance(h);
-    return true;
+    do
+        advance(h);
+    while (h->next != EOF && (isalnum(h->next) || h->next == '_' || h->next == '.'));
 }
 
-/* A comma must follow an item; without one the next item is lost.  True:
- * there was one, which promises more. */
+/* A comma must follow an item; whatever else does is lost.  False: that was the last. */
 static bool read_separator(struct lang *l, struct handle *h)
 {
     struct value lost;
 
-    if (read_comma(h))
-        return true;
-    if (h->next != EOF)
-        read_one(l, h, &lost);
-    return read_comma(h);
+    skip_space(h);
+    if (h->next == EOF)
+        return false;
+    if (h->next == '"')
+        read_text(l, h, &lost);
+    else if (isalnum(h->next) || h->next == '_' || h->next == '.')
+        lose_word(h);
+    else
+        advance(h);
+    return true;
+}
+
+static bool may_be_read(const struct value *v)
+{
+    return v->type == VALUE_NONE || v->type == VALUE_TEXT
+        || (v->type == VALUE_NUMBER && (v->n == 1 || v->n == 3));
 }
 
 /* What is read takes the place of a number, vector or text; of any of these in an array. */
@@ -535,7 +546,7 @@ static void store(struct lang *l, const struct ast *target, const struct value *
         place = scope_declare_global(l, target->name, target->at)->value;
     else if (!(place = array_place(l, target)))
         return;
-    else if (place->type != VALUE_NUMBER && place->type != VALUE_TEXT) {
+    else if (!may_be_read(place) || (place->type == VALUE_NONE && target->kind == AST_INDEX)) {
         diag_error(l->diag, target->at, "#read needs a new name, a number, a vector or a text; "
                    "'%s' is %s", target->name->text, value_name(place));
         return;
@@ -548,7 +559,7 @@ void file_read(struct lang *l, const struct ast *node)
     const struct ast *a;
     struct handle *h = named_handle(l, node, &a);
     struct value v;
-    bool is_last = true;
+    bool is_last = false;
 
     for (; h && a; a = a->next) {
         if (a->kind == AST_COMMA)
@@ -560,13 +571,16 @@ void file_read(struct lang *l, const struct ast *node)
         skip_space(h);
         if (h->next == EOF) {
             diag_warning(l->diag, node->at, "nothing is left to read: '%s' %s", a->name->text,
-                         scope_find(a->name) ? "keeps what it was" : "stays undeclared");
+                         scope_find(a->name) ? "keeps what it was" : "gets no value");
+            if (!is_last && !scope_find(a->name))
+                scope_declare_global(l, a->name, a->at);
             is_last = true;
             break;
         }
         if (!read_one(l, h, &v)) {
             diag_error(l->diag, node->at, "%s:%u: expected a number, vector or text in the data",
                        h->path, h->line);
+            l->stopped = true;          /* a loop would come here again */
             return;
         }
         store(l, a, &v);

@@ -71,6 +71,7 @@ struct parse {
     void (*run)(struct lang *l, const struct ast *statements);      /* NULL: the tree is kept */
     struct arena_mark mark;     /* the tree of the statements that are read begins here */
     bool keep;                  /* values may point into it */
+    bool rest_taken;            /* an included file's #if ends behind its #include */
 };
 
 /* Parses a text that is one of the sources; never NULL. */

@@ -152,13 +152,13 @@ static void solve_bends(const struct lang *l, const struct spline *s)
     }
 }
 
-/* Sorted; the same parameter again replaces, but not at the end: there the
- * new value is lost, as in POV-Ray. */
+/* Sorted; the same parameter again replaces, but not at the end of several: there
+ * the new value is lost, as in POV-Ray. */
 static void insert(struct spline *s, struct knot new)
 {
     size_t i = s->n;
 
-    if (s->n && new.t == s->knot[s->n - 1].t)
+    if (s->n > 1 && new.t == s->knot[s->n - 1].t)
         return;
     while (i && s->knot[i - 1].t > new.t)
         i--;
@@ -253,15 +253,16 @@ void spline_call(struct lang *l, const struct ast *node, const struct spline *s,
 
     reader_open(&r, l, node->args);
     t = reader_number(&r, false, "a number");
-    if (!r.failed && reader_skip_comma(&r)) {
+    if (!r.failed && reader_peek(&r)->kind == ITEM_COMMA) {
+        reader_next(&r);
         type = type_of(reader_peek(&r));
         if (type < 0)
             diag_error(l->diag, reader_at(&r), "expected the type of a spline");
         else
             reader_next(&r);
     }
-    if (!r.failed && reader_peek(&r)->kind != ITEM_END && type >= 0)
-        diag_error(l->diag, reader_at(&r), "a spline takes a number and perhaps a type");
+    if (!r.failed && reader_peek(&r)->kind != ITEM_END)
+        diag_error(l->diag, reader_at(&r), "a spline takes a number, perhaps a comma and a type");
     reader_close(&r);
     spline_at(s, t, type, v);
     *out = value_vector(s->n_component, v);

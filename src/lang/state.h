@@ -60,6 +60,7 @@ struct lang {
     bool version_given;
     struct loc version_at;              /* the scene's last #version */
     uint32_t main_source;               /* the scene's own text */
+    struct parse *streamed;             /* the same, run while it is read */
     bool charset_utf8;                  /* global_settings { charset utf8 } */
     struct stream *stream;
     size_t n_stream, room_stream;

@@ -250,7 +250,7 @@ void call_datetime(struct arguments *a, struct value *out)
 {
     static const double epoch = 946684800;      /* 2000-01-01 in seconds since 1970 */
     const char *format = a->n > 1 ? a->v[1].text.bytes : "%Y-%m-%d %H:%M:%SZ";
-    time_t when = (time_t)(floor(a->v[0].v[0] * 86400 + 0.5) + epoch);
+    time_t when = (time_t)(floor(a->v[0].v[0] * 24 * 3600 + 0.5) + epoch);
     struct tm tm;
     char text[1024];
 

@@ -8,6 +8,7 @@
 
 #include "scene/object.h"
 
+#define TRIANGLE_MARGIN 1e-10
 #define DISC_HALF 0.001                 /* of a disc's thickness */
 #define SUPERELLIPSOID_HALF 1.0001
 
@@ -128,23 +129,30 @@ static struct bounds disc_extent(const struct object *o)
     return round_extent(point_arg(o, 0), point_arg(o, 1), number_arg(o, 2), DISC_HALF, o->place);
 }
 
-/* Half of the box of an ellipsoid or a cylinder around an axis, in their own
+/* Half of the box of an ellipsoid or a cylinder along an axis, in their own
  * space; infinite for other quadrics. */
 static double quadric_half(double square, double constant)
 {
     return square > 0 ? sqrt(-constant / square) : INFINITY;
 }
 
+static double quadric_middle(double square, double linear)
+{
+    return square > 0 ? -linear / (2 * square) : linear == 0 ? 0 : NAN;
+}
+
 static struct bounds quadric_extent(const struct object *o)
 {
-    vec3 square = point_arg(o, 0), mixed = point_arg(o, 1), linear = point_arg(o, 2);
-    double constant = number_arg(o, 3);
-    bool plain = constant < 0 && vec_largest(mixed) == 0 && vec_largest(linear) == 0
+    vec3 square = point_arg(o, 0), linear = point_arg(o, 2);
+    vec3 middle = vec(quadric_middle(square.x, linear.x), quadric_middle(square.y, linear.y),
+                      quadric_middle(square.z, linear.z));
+    double constant = number_arg(o, 3) + vec_dot(linear, middle) / 2;
+    bool plain = constant < 0 && vec_largest(point_arg(o, 1)) == 0
         && square.x >= 0 && square.y >= 0 && square.z >= 0;
     vec3 half = vec(quadric_half(square.x, constant), quadric_half(square.y, constant),
                     quadric_half(square.z, constant));
 
-    return plain ? around(vec(0, 0, 0), half) : BOUNDS_ALL;
+    return plain ? around(middle, half) : BOUNDS_ALL;
 }
 
 /* How much it scales alike in all directions; 0: it does not. */
@@ -160,6 +168,19 @@ static double even_scale(const struct transform *t)
     return even ? s : 0;
 }
 
+/* A part of an intersection is boxed where it is when it is a sphere; other quadrics,
+ * and those that stand alone, before they are moved. */
+static struct bounds moved_quadric(const struct object *o)
+{
+    struct bounds b = quadric_extent(o);
+    vec3 square = point_arg(o, 0), half = vec_scale(vec_sub(b.high, b.low), 0.5);
+    double scale = square.x == square.y && square.y == square.z ? even_scale(o->place) : 0;
+
+    if (scale > 0 && is_whole(&b))
+        return around(mat_point(&o->place->to, vec_add(b.low, half)), vec_scale(half, scale));
+    return bounds_move(&b, o->place);
+}
+
 static struct bounds sphere_extent(const struct object *o)
 {
     double scale = even_scale(o->place), r = number_arg(o, 1) * scale;
@@ -167,6 +188,14 @@ static struct bounds sphere_extent(const struct object *o)
     if (scale > 0)
         return kept(around(mat_point(&o->place->to, point_arg(o, 0)), vec(r, r, r)));
     return moved(kept(o->ops->bounds(o->shape)), o->place);
+}
+
+static void widen(double *low, double *high)
+{
+    double size = single(*high - *low + 2 * TRIANGLE_MARGIN);
+
+    *low = single(*low - TRIANGLE_MARGIN);
+    *high = single(*low + size);
 }
 
 static struct bounds triangle_extent(const struct object *o)
@@ -178,7 +207,11 @@ static struct bounds triangle_extent(const struct object *o)
         vec3 p = mat_point(&o->place->to, point_arg(o, i * step));
         b = bounds_join(b, (struct bounds) { p, p });
     }
-    return kept(b);
+    b = kept(b);
+    widen(&b.low.x, &b.high.x);
+    widen(&b.low.y, &b.high.y);
+    widen(&b.low.z, &b.high.z);
+    return b;
 }
 
 static struct bounds shape_extent(const struct object *o)
@@ -239,10 +272,9 @@ static struct bounds common_extent(const struct object *o)
             is_rest = !is_rest;
         if (is(child, "plane"))
             all = bounds_meet(all, half_space(child, is_rest));
-        else if (is(child, "quadric") && !is_rest) {
-            struct bounds b = quadric_extent(child);    /* may have an end in some directions only */
-            all = bounds_meet(all, bounds_move(&b, child->place));
-        } else if (!is_rest)
+        else if (is(child, "quadric") && !is_rest)      /* may have an end in some directions only */
+            all = bounds_meet(all, moved_quadric(child));
+        else if (!is_rest)
             all = bounds_meet(all, extent_of(child));
     }
     return all;
