@@ -9,6 +9,7 @@ struct children {
     const struct object **child;
     size_t n, room;
     unsigned depth;                     /* of what they are in */
+    double parts;
     bool ended;                         /* a modifier came: no more objects */
     bool is_group;
 };
@@ -36,6 +37,19 @@ static void count_depth(struct children *c, const struct object *child, struct l
                    l->limits->csg_depth);
 }
 
+/* Objects in objects double with each step, and each of their parts takes memory in the
+ * end: what cannot be held is not begun. */
+static void count_parts(struct children *c, const struct object *child, struct loc at)
+{
+    enum { LEAST_BYTES = 256 };         /* that a part takes */
+    struct lang *l = c->lang;
+
+    c->parts += child->more->parts > 0 ? child->more->parts : 1;
+    if (c->parts > (double)l->limits->memory / LEAST_BYTES)
+        lang_limit(l, at, "an object of %.3g parts needs more than the %zu MiB of memory that "
+                   "--max-memory allows", c->parts, l->limits->memory >> 20);
+}
+
 static bool take_child(struct reader *r, const struct item *i, void *arg)
 {
     struct children *c = arg;
@@ -49,6 +63,7 @@ static bool take_child(struct reader *r, const struct item *i, void *arg)
     struct object *o = build_object(r->lang, i);
     warn_patch(r->lang, c->of, o);
     count_depth(c, o, i->at);
+    count_parts(c, o, i->at);
     c->child = arena_grow(r->lang->mem, c->child, c->n, &c->room, sizeof *c->child);
     c->child[c->n++] = o;
     return true;
@@ -62,7 +77,9 @@ static void take_all(struct reader *r, struct children *c)
     }
     c->of->child = arena_copy(r->lang->scene_mem, c->child, c->n * sizeof *c->child);
     c->of->n_child = (uint32_t)c->n;
-    object_more(r->lang->scene_mem, c->of)->depth = c->depth;
+    struct object_more *more = object_more(r->lang->scene_mem, c->of);
+    more->depth = c->depth;
+    more->parts = c->parts;
 }
 
 static bool is_misplaced(struct reader *r, const struct item *i, void *arg)

@@ -104,7 +104,7 @@ static colour drawn_pixel(const struct function *f, const double at[3])
 {
     double v[MOST_COMPONENTS];
 
-    function_run(f, at, v);
+    function_run(f, at, v, NULL);
     float g = in_16_bits(v[0]);
     if (function_components(f) == 1)
         return (colour) { g, g, g, 0, 0 };

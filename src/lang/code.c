@@ -4,14 +4,21 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = 32 };
+enum { LANES = 32, ROUNDS_OF_CALL = 8 };
 
-/* What runs: arrays of n values, stride apart.  Threads share functions, so that only
- * the reader of the scene may let them remember. */
+static const double most_rounds = 1e9;  /* of one call while a picture is made */
+
+/* Threads share functions, so that only the reader of the scene may let them remember. */
+struct run {
+    bool remember;
+    double left;                /* rounds of sums and calls of functions; then the result is NaN */
+};
+
+/* What runs: arrays of n values, stride apart. */
 struct machine {
     double *reg;
     int stride, n;
-    bool remember;
+    struct run *run;
 };
 
 static void run(const struct machine *m, const struct code *code, size_t n_code);
@@ -20,7 +27,7 @@ static double grey(colour c)
     return (double)((0.297f * c.r + 0.589f * c.g) + 0.114f * c.b);
 }
 
-static void run_one(const struct function *f, const double *arguments, double *out, bool remember);
+static void run_one(const struct function *f, const double *arguments, double *out, struct run *now);
 
 #define EACH(expression) \
     for (int i = 0; i < n; i++) \
@@ -36,9 +43,13 @@ static void call(const struct machine *m, const struct code *c, double *r)
     double argument[MOST_PARAMETERS] = { 0 }, out[MOST_COMPONENTS];
 
     for (int i = 0; i < m->n; i++) {
+        if ((m->run->left -= ROUNDS_OF_CALL) < 0) {
+            r[i] = NAN;
+            continue;
+        }
         for (int k = 0; k < c->function->n_parameter; k++)
             argument[k] = r[k * m->stride + i];
-        run_one(c->function, argument, out, m->remember);
+        run_one(c->function, argument, out, m->run);
         r[i] = out[c->from];
     }
 }
@@ -50,16 +61,16 @@ static void repeat(const struct machine *m, const struct code *c)
     double *r = m->reg + (size_t)c->to * (size_t)stride;
 
     for (int i = 0; i < m->n; i++) {
-        struct machine one = { m->reg + i, stride, 1, m->remember };
+        struct machine one = { m->reg + i, stride, 1, m->run };
         double end = r[stride + i], total = c->op == CODE_SUM ? 0 : 1;
         for (double k = r[i]; k <= end; k++) {
             r[2 * stride + i] = k;
             run(&one, c + 1, c->count);
             total = c->op == CODE_SUM ? total + r[3 * stride + i] : total * r[3 * stride + i];
-            if (k + 1 == k)
+            if (k + 1 == k || --m->run->left < 0)
                 break;
         }
-        r[i] = total;
+        r[i] = m->run->left < 0 ? NAN : total;
     }
 }
 
@@ -110,7 +121,7 @@ static double internal_value(const struct function *f, const double *a, bool rem
     return f->internal->at(a[0], a[1], a[2], a + 3, &setting);
 }
 
-static void run_one(const struct function *f, const double *arguments, double *out, bool remember)
+static void run_one(const struct function *f, const double *arguments, double *out, struct run *now)
 {
     vec3 p = vec(arguments[0], arguments[1], arguments[2]);   /* there is room for three at least */
 
@@ -118,7 +129,7 @@ static void run_one(const struct function *f, const double *arguments, double *o
     case FUNCTION_CODE: {
         double reg[f->n_register];
         memcpy(reg, arguments, (size_t)f->n_parameter * sizeof *reg);
-        run(&(struct machine) { reg, 1, 1, remember }, f->code, f->n_code);
+        run(&(struct machine) { reg, 1, 1, now }, f->code, f->n_code);
         out[0] = reg[f->n_parameter];
         return;
     }
@@ -133,28 +144,33 @@ static void run_one(const struct function *f, const double *arguments, double *o
         return;
     }
     case FUNCTION_SPLINE: spline_at(f->spline, arguments[0], -1, out); return;
-    case FUNCTION_INTERNAL: out[0] = internal_value(f, arguments, remember); return;
+    case FUNCTION_INTERNAL: out[0] = internal_value(f, arguments, now->remember); return;
     case FUNCTION_GREY: out[0] = grey(pigment_at(f->pigment, p)); return;
     case FUNCTION_PATTERN: out[0] = pattern_at(f->pattern, f->transform, p); return;
     }
 }
 
-void function_run(const struct function *f, const double *arguments, double *out)
+void function_run(const struct function *f, const double *arguments, double *out, double *left)
 {
     double padded[MOST_PARAMETERS] = { 0 };
+    struct run now = { true, left ? *left : most_rounds };
 
     memcpy(padded, arguments, (size_t)f->n_parameter * sizeof *padded);
-    run_one(f, padded, out, true);
+    run_one(f, padded, out, &now);
+    if (left)
+        *left = now.left;
 }
 
 void function_many(const struct function *f, int n, const double *const *arguments, double *out)
 {
+    struct run now = { false, most_rounds };
+
     if (f->kind != FUNCTION_CODE) {
         double argument[MOST_PARAMETERS] = { 0 }, component[MOST_COMPONENTS];
         for (int i = 0; i < n; i++) {
             for (int k = 0; k < f->n_parameter; k++)
                 argument[k] = arguments[k][i];
-            run_one(f, argument, component, false);
+            run_one(f, argument, component, &now);
             out[i] = component[0];
         }
         return;
@@ -164,7 +180,7 @@ void function_many(const struct function *f, int n, const double *const *argumen
         int lanes = n - first < LANES ? n - first : LANES;
         for (int k = 0; k < f->n_parameter; k++)
             memcpy(reg + k * LANES, arguments[k] + first, (size_t)lanes * sizeof *reg);
-        run(&(struct machine) { reg, LANES, lanes, false }, f->code, f->n_code);
+        run(&(struct machine) { reg, LANES, lanes, &now }, f->code, f->n_code);
         memcpy(out + first, reg + f->n_parameter * LANES, (size_t)lanes * sizeof *reg);
     }
 }
@@ -179,7 +195,7 @@ double function_at(const struct function *f, const double *arguments)
 {
     double out[MOST_COMPONENTS];
 
-    function_run(f, arguments, out);
+    function_run(f, arguments, out, NULL);
     return out[0];
 }
 

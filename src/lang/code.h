@@ -55,8 +55,9 @@ struct function {
 
 enum { MOST_PARAMETERS = 55 };
 
-/* Components at one point, while the scene is read. */
-void function_run(const struct function *f, const double *arguments, double *out);
+/* Components at one point, while the scene is read.  left: rounds of sums and calls that it
+ * may take, below 0 if it took more; NULL: the usual number. */
+void function_run(const struct function *f, const double *arguments, double *out, double *left);
 /* A float function at n points: arguments[i] are the n values of parameter i.  Threads may share f. */
 void function_many(const struct function *f, int n, const double *const *arguments, double *out);
 

@@ -724,7 +724,12 @@ void function_call(struct lang *l, const struct ast *node, const struct function
         }
         argument[i] = v->v[0];
     }
-    function_run(f, argument, result);
+    double left = l->limits->iterations - l->rounds, all = left;
+    function_run(f, argument, result, &left);
+    l->rounds += all - left;
+    if (left < 0)
+        lang_limit(l, node->at, "the loops and sums of this scene have run more than %.0f times; "
+                   "--max-iterations=N would let them go on", l->limits->iterations);
     *out = value_vector(f->n_component, result);
 }
 

@@ -70,6 +70,7 @@ struct object_more {
     struct bounds box;                  /* holds all children, in inner space; perhaps not tightly */
     bool has_box;
     unsigned depth;                     /* of the children in each other: 0 of a shape */
+    double parts;                       /* shapes in it, each as often as it is there; 0 of a shape */
 };
 
 /* A node of what the user wrote; there may be millions.  Everything in it is in
