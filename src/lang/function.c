@@ -288,26 +288,52 @@ static void say_count(struct compiling *c, const struct ast *a, const char *name
                                 wanted == 1 ? "" : "s", n));
 }
 
+enum { SUM_ARGUMENTS = 4 };
+
+/* The arguments of sum and prod; a call among them leaves the commas in the list. */
+static bool sum_arguments(const struct ast *list, const struct ast *argument[SUM_ARGUMENTS])
+{
+    bool packed = list->flags & AST_PLAIN;
+    int n = 0;
+
+    for (const struct ast *a = list->first; a; a = a->next) {
+        if (a->kind == AST_COMMA)
+            continue;
+        if (n == SUM_ARGUMENTS || !ast_is_value(a))
+            return false;
+        argument[n++] = a;
+        if (!packed && n < SUM_ARGUMENTS && !(a->next && a->next->kind == AST_COMMA))
+            return false;
+    }
+    return n == SUM_ARGUMENTS && argument[0]->kind == AST_NAME
+        && (!packed || list->flags & AST_ALL_COMMAS);
+}
+
 /* sum(i, from, to, term) */
 static void compile_sum(struct compiling *c, const struct ast *a, int to)
 {
-    const struct ast *name = a->args->first;
+    const struct ast *argument[SUM_ARGUMENTS];
     bool is_sum = word_is(a->word, "sum");
 
-    if (!(a->args->flags & AST_PLAIN) || a->args->n != 4 || name->kind != AST_NAME) {
+    if (!sum_arguments(a->args, argument)) {
         fail(c, a->at, "sum and prod take a new name, two bounds and a term");
         return;
     }
-    compile(c, name->next, to);
-    compile(c, name->next->next, to + 1);
+    if (scope_find(argument[0]->name)) {
+        fail(c, argument[0]->at, arena_format(c->l->mem, "'%s' is declared already: it cannot count here",
+                                              argument[0]->name->text));
+        return;
+    }
+    compile(c, argument[1], to);
+    compile(c, argument[2], to + 1);
     if (c->n_name == MOST_NAMES) {
         fail(c, a->at, "too many sums in each other");
         return;
     }
     size_t at = (size_t)(emit(c, is_sum ? CODE_SUM : CODE_PROD, to) - c->f->code);
-    c->name[c->n_name] = name->name;
+    c->name[c->n_name] = argument[0]->name;
     c->reg[c->n_name++] = to + 2;
-    compile(c, name->next->next->next, to + 3);
+    compile(c, argument[3], to + 3);
     c->n_name--;
     c->f->code[at].count = (uint32_t)(c->f->n_code - at - 1);
 }
