@@ -495,7 +495,9 @@ static bool begin_switch(struct lang *l, const struct ast *from, const struct as
     struct reader r;
 
     for (const struct ast *a = from; a != label; a = a->next) {
-        ast_add(&list, ast_copy(l->mem, a));
+        struct ast *copy = arena_copy(l->mem, a, sizeof *a);
+        copy->next = NULL;
+        ast_add(&list, copy);
     }
     reader_start(&r, l, &list);
     const struct ast *a = reader_step(&r);
@@ -744,13 +746,15 @@ static struct ast *apart(struct lang *l, const struct ast *list)
 
     *to = (struct ast) { .kind = AST_LIST, .at = list->at, .close = list->close };
     for (const struct ast *a = list->first; a; a = a->next) {
-        struct ast *left = ast_copy(l->mem, a), *right = NULL;
+        struct ast *left = arena_copy(l->mem, a, sizeof *a), *right = NULL;
         if (a->kind == AST_BINARY && strchr("+-", a->op) && a->left->kind == AST_CALL
             && is_macro(a->left->name)) {
-            right = ast_copy(l->mem, a);
+            right = arena_copy(l->mem, a, sizeof *a);
             right->kind = AST_UNARY;
-            left = ast_copy(l->mem, a->left);
+            right->next = NULL;
+            left = arena_copy(l->mem, a->left, sizeof *left);
         }
+        left->next = NULL;
         ast_add(to, left);
         ast_add(to, right);
     }
