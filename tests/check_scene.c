@@ -311,6 +311,39 @@ START_TEST(test_all_layers_of_a_texture_move)
 }
 END_TEST
 
+static vec3 middle_of(const struct transform *t) { return mat_point(&t->to, vec(0, 0, 0)); }
+
+/* A texture may share its object's place, but a copy of the object is moved
+ * alone, and so is a layer that came later than the first move. */
+START_TEST(test_textures_move_with_their_own_object)
+{
+    const struct transform x = transform_translate(vec(1, 0, 0)), y = transform_translate(vec(0, 1, 0));
+    struct texture late = texture_default, first = texture_default;
+    struct object *o = ball_at(vec(0, 0, 0));
+
+    o->place = &transform_identity;
+    first.above = &late;
+    o->texture = &texture_default;
+    object_move(&mem, o, &x);
+    object_move(&mem, o, &x);
+    struct object *copy = object_copy(&mem, o);
+    object_move(&mem, copy, &y);
+    object_move(&mem, copy, &y);
+    NEAR_VEC(middle_of(copy->texture->place), vec(2, 2, 0));
+    NEAR_VEC(middle_of(o->texture->place), vec(2, 0, 0));
+    first.place = o->texture->place;
+    o->texture = &first;
+    object_move(&mem, o, &y);
+    NEAR_VEC(middle_of(o->texture->place), vec(2, 1, 0));
+    NEAR_VEC(middle_of(o->texture->above->place), vec(0, 1, 0));
+    object_move(&mem, o, &y);
+    NEAR_VEC(middle_of(o->texture->place), vec(2, 2, 0));
+    NEAR_VEC(middle_of(o->texture->above->place), vec(0, 2, 0));
+    NEAR_VEC(middle_of(copy->texture->place), vec(2, 2, 0));
+    ck_assert(texture_default.place->is_identity && late.place->is_identity);
+}
+END_TEST
+
 /* One that differs in anything else is not like the others. */
 START_TEST(test_shapes_that_differ_in_nothing_else_share_one_object)
 {
@@ -447,6 +480,7 @@ int main(void)
     tcase_add_test(t, test_trace_tells_a_miss);
     tcase_add_test(t, test_trace_of_an_intersection_needs_all);
     tcase_add_test(t, test_all_layers_of_a_texture_move);
+    tcase_add_test(t, test_textures_move_with_their_own_object);
     tcase_add_test(t, test_shapes_that_differ_in_nothing_else_share_one_object);
     tcase_add_test(t, test_lights_in_unions_come_into_the_world_where_they_stand);
     tcase_add_test(t, test_what_a_light_looks_like_moves_with_it);

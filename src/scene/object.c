@@ -80,6 +80,44 @@ static void move_place(struct arena *mem, struct object *o, const struct transfo
     o->own_place = true;
 }
 
+/* Do all layers stand as the object does, so that its move has moved them? */
+static bool moves_along(const struct object *o, const struct transform *before)
+{
+    const struct texture *t = o->texture;
+
+    while (t && t->place == before && o->place == before)
+        t = t->above;
+    return !t;
+}
+
+/* Where a layer stood as the object did, it goes on sharing its place: most
+ * textures are given to an object that is moved afterwards. */
+static const struct transform *moved_layer(struct arena *mem, const struct object *o,
+                                           const struct transform *before,
+                                           const struct texture *layer, const struct transform *t)
+{
+    if (layer->uv_mapping)
+        return layer->place;
+    if (layer->place == before || (layer->place->is_identity && before->is_identity))
+        return o->place;
+    return transform_moved(mem, t, layer->place);
+}
+
+static void move_layers(struct arena *mem, struct object *o, const struct transform *before,
+                        const struct transform *t)
+{
+    const struct texture **link = &o->texture;
+
+    if (moves_along(o, before))
+        return;
+    for (const struct texture *from = o->texture; from; from = from->above) {
+        struct texture *copy = arena_copy(mem, from, sizeof *from);
+        copy->place = moved_layer(mem, o, before, from, t);
+        *link = copy;
+        link = &copy->above;
+    }
+}
+
 static void move_more(struct arena *mem, struct object *o, const struct transform *t)
 {
     struct object_more *m = object_more(mem, o);
@@ -97,9 +135,10 @@ void object_move(struct arena *mem, struct object *o, const struct transform *t)
 {
     if (t->is_identity)
         return;
+    const struct transform *before = o->place;
     move_place(mem, o, t);
     if (!(o->flags & OBJECT_UV_MAPPING))        /* such textures live in (u, v) */
-        o->texture = texture_move(mem, o->texture, t);
+        move_layers(mem, o, before, t);
     if (o->more->interior_texture || o->more->n_clip || o->more->n_bound)
         move_more(mem, o, t);
 }
