@@ -103,6 +103,10 @@ extern const struct field transform_fields[];
 /* An identifier at the start of a block: `pigment { P ... }`. */
 const void *build_start(struct reader *r, enum value_type type);
 
+/* Of `texture { T }`, which stands in most objects of a large scene: what is
+ * declared; no reader is needed.  NULL: there is more to the block. */
+const void *build_named(const struct item *block, enum value_type type);
+
 /* An error about a whole block; its opening brace is noted. */
 void build_wrong(struct lang *l, const struct item *block, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

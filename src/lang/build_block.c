@@ -3,9 +3,11 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "lang/ast.h"
 #include "lang/build.h"
 #include "lang/colour.h"
 #include "lang/guess.h"
+#include "lang/scope.h"
 
 /* --- items ------------------------------------------------------------------- */
 
@@ -19,6 +21,16 @@ const void *build_start(struct reader *r, enum value_type type)
     if (!item_is_thing(reader_peek(r), type))
         return NULL;
     return reader_next(r).value.thing;
+}
+
+const void *build_named(const struct item *block, enum value_type type)
+{
+    const struct ast *list = block->body, *a = list ? list->first : NULL;
+
+    if (!a || a->kind != AST_NAME || a->next || !(list->flags & AST_CLOSED))
+        return NULL;
+    const struct binding *b = scope_find(a->name);
+    return b && !b->deprecated && b->value->type == type ? b->value->thing : NULL;
 }
 
 bool build_flag(struct reader *r)

@@ -342,8 +342,11 @@ const struct texture *build_texture_body(struct reader *r, const struct item *bl
 
 const struct texture *build_texture(struct lang *l, const struct item *block)
 {
+    const struct texture *named = build_named(block, VALUE_TEXTURE);
     struct reader r;
 
+    if (named)
+        return named;
     reader_open(&r, l, block->body);
     const struct texture *t = build_texture_body(&r, block);
     reader_close(&r);
