@@ -37,6 +37,11 @@ struct made_space {
     uint32_t space;
 };
 
+/* A look that was asked for lately, and its surface. */
+struct known_look { struct look look; uint32_t surface; };
+
+enum { KNOWN_LOOKS = 64 };
+
 struct builder {
     struct plan *plan;
     struct geometry *geometry;
@@ -50,9 +55,7 @@ struct builder {
     const struct mesh_tree **mesh_tree;
     const struct mesh **mesh;
     size_t n_mesh, room_mesh, room_tree;
-    struct look last_look;
-    uint32_t last_surface;
-    bool has_last;
+    struct known_look known[KNOWN_LOOKS];
     const struct shape_ops *from, *to;  /* the last row that was looked up */
     size_t n_empty, n_bound, n_cutaway;
 };
@@ -198,6 +201,14 @@ static bool looks_equal(const struct look *a, const struct look *b)
            && a->uv_mapping == b->uv_mapping;
 }
 
+/* Where a look stands if it is known: no texture, none is there yet. */
+static struct known_look *known_look(struct builder *b, const struct look *l)
+{
+    uintptr_t by = (uintptr_t)l->texture >> 4 ^ (uintptr_t)l->solid >> 5 ^ (uintptr_t)l->place >> 6;
+
+    return &b->known[(by ^ by >> 6) % KNOWN_LOOKS];
+}
+
 static uint32_t surface_for(struct builder *b, const struct context *c, const struct mesh *mesh)
 {
     struct look look = c->look;
@@ -213,12 +224,10 @@ static uint32_t surface_for(struct builder *b, const struct context *c, const st
     look.double_illuminate = (c->flags & OBJECT_DOUBLE_ILLUMINATE) != 0;
     look.hollow = (c->flags & OBJECT_HOLLOW) != 0;
     look.mesh = mesh && mesh->n_texture ? mesh : NULL;
-    if (!b->has_last || !looks_equal(&look, &b->last_look)) {
-        b->last_look = look;
-        b->last_surface = surface_of(b->plan, &look);
-        b->has_last = true;
-    }
-    return b->last_surface;
+    struct known_look *known = known_look(b, &look);
+    if (!looks_equal(&look, &known->look))
+        *known = (struct known_look) { look, surface_of(b->plan, &look) };
+    return known->surface;
 }
 
 /* --- leaves ---------------------------------------------------------------- */
