@@ -109,7 +109,7 @@ static struct lang_setup setup_of(struct run *r)
         .limits = &o->limits, .library = o->library.item, .n_library = o->library.n,
         .allow_read = o->allow_read.item, .n_allow_read = o->allow_read.n,
         .allow_write = o->allow_write.item, .n_allow_write = o->allow_write.n,
-        .declare = o->declare.item, .n_declare = o->declare.n,
+        .declare = o->declare.item, .n_declare = o->declare.n, .header = o->header,
         .width = o->width, .height = o->height, .version = o->version,
         .checks = o->task == TASK_CHECK,
         .clock = o->clock, .clock_on = o->has_clock, .debug = r->debug, .load_image = load_image };

@@ -3,20 +3,23 @@
 
 #include <math.h>
 
-/* A share p of the frames below 1 starts at int(count * p). */
+/* A share p of the frames below 1 starts at int(count * p); a frame may lie behind the
+ * last one. */
 static int subset(const struct animation *a, double said, int otherwise)
 {
-    if (said <= 0)
+    if (said < 0)
         return otherwise;
     if (said < 1)
         said = floor(said * (a->final_frame - a->initial_frame + 1 + a->cyclic));
-    return (int)fmin(fmax(said, a->initial_frame), a->final_frame);
+    return (int)fmax(said, a->initial_frame);
 }
 
 struct frames frames_of(const struct animation *a)
 {
-    return (struct frames) { subset(a, a->subset_start, a->initial_frame),
-                             subset(a, a->subset_end, a->final_frame), a->step };
+    int first = subset(a, a->subset_start, a->initial_frame);
+    int last = subset(a, a->subset_end, a->final_frame);
+
+    return (struct frames) { first, last > first ? last : first, a->step };
 }
 
 /* POV-Ray divides by zero when there is one frame only; the initial clock

@@ -563,9 +563,8 @@ static bool finish(struct options *o)
                             "say -o FILE, or -o - for standard output");
     if (o->task == TASK_CHECK)
         ini_beside(o);
-    if (o->animation.is_on && o->animation.initial_frame > o->animation.final_frame)
-        return option_error("the final frame %d is before the initial frame %d",
-                            o->animation.final_frame, o->animation.initial_frame);
+    if (o->animation.initial_frame > o->animation.final_frame)
+        o->animation.final_frame = o->animation.initial_frame;
     if (o->resume && !o->animation.is_on)
         return option_error("--resume (+C): only frames of an animation are resumed; "
                             "--frames A-B makes some");
@@ -579,6 +578,7 @@ bool options_read(struct options *o, int argc, char **argv, struct arena *mem)
 
     *o = (struct options) {
         .mem = mem, .bits = 8, .antialias_depth = 3, .limits = LIMITS_DEFAULT,
-        .animation = { .initial_frame = 1, .final_frame = 1, .step = 1, .final_clock = 1 } };
+        .animation = { .initial_frame = 1, .final_frame = 1, .step = 1, .final_clock = 1,
+                       .subset_start = -1, .subset_end = -1 } };
     return read_words(o, &w) && finish(o);
 }

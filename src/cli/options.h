@@ -25,7 +25,7 @@ struct animation {                      /* facts sdl.md 9.4 */
     bool is_on;
     int initial_frame, final_frame, step;
     double initial_clock, final_clock;
-    double subset_start, subset_end;    /* frames, or shares of them below 1; 0: not given */
+    double subset_start, subset_end;    /* frames, or shares of them below 1; -1: not given */
     bool cyclic;
 };
 
@@ -54,6 +54,7 @@ struct options {
     bool quiet, strict, lint;
     bool no_debug;                      /* -GD */
     const char *debug_file;             /* +GDfile */
+    const char *header;                 /* +HIfile */
     double version;                     /* +MV; 0: not given */
     double clock;
     bool has_clock;

@@ -87,6 +87,17 @@ static bool read_count(struct options *o, const struct setting *row, bool on, co
     return true;
 }
 
+/* POV-Ray takes +R0 for +R1. */
+static bool read_depth(struct options *o, const struct setting *row, bool on, const char *value)
+{
+    unsigned *depth = member(o, row);
+
+    if (!read_count(o, row, on, value))
+        return false;
+    *depth += *depth == 0;
+    return true;
+}
+
 static bool read_int(struct options *o, const struct setting *row, bool on, const char *value)
 {
     double n;
@@ -116,7 +127,11 @@ static bool read_list(struct options *o, const struct setting *row, bool on, con
     (void)on;
     if (!*value)
         return option_error("%s: a folder's name is missing", called(row));
-    list_add(o, member(o, row), value);
+    for (size_t n; *value; value += n + (value[n] != '\0')) {
+        n = strcspn(value, ",");        /* several, between commas */
+        if (n)
+            list_add(o, member(o, row), arena_text(o->mem, value, n));
+    }
     return true;
 }
 
@@ -271,6 +286,15 @@ static bool read_declare(struct options *o, const struct setting *row, bool on, 
     return true;
 }
 
+static bool read_header(struct options *o, const struct setting *row, bool on, const char *value)
+{
+    (void)on;
+    if (strchr(value, '"'))
+        return option_error("%s: a file's name without quotation marks: '%s'", called(row), value);
+    o->header = *value ? value : NULL;
+    return true;
+}
+
 static bool read_ini(struct options *o, const struct setting *row, bool on, const char *value)
 {
     (void)row, (void)on;
@@ -301,11 +325,11 @@ static const struct setting table[] = {
     { NULL, "Antialias", read_flag, AT(antialias), 0, 0, NULL },
     { NULL, "Antialias_Threshold", nothing, 0, 0, 0, NULL },
     { "AM", "Sampling_Method", nothing, 0, 0, 0, NULL },
-    { "R", "Antialias_Depth", read_count, AT(antialias_depth), 1, 9, NULL },
+    { "R", "Antialias_Depth", read_depth, AT(antialias_depth), 0, 9, NULL },
     { "J", "Jitter", nothing, 0, 0, 0, NULL },
     { NULL, "Jitter_Amount", nothing, 0, 0, 0, NULL },
     { "AG", "Antialias_Gamma", nothing, 0, 0, 0, NULL },
-    { "Q", "Quality", read_quality, 0, 0, 11, "lower qualities are not supported; rendering in full" },
+    { "Q", "Quality", read_quality, 0, 0, 1e9, "lower qualities are not supported; rendering in full" },
     { "SC", "Start_Column", read_real, AT(part[0]), 0, 1000000, NULL },
     { "EC", "End_Column", read_real, AT(part[1]), 0, 1000000, NULL },
     { "SR", "Start_Row", read_real, AT(part[2]), 0, 1000000, NULL },
@@ -313,9 +337,11 @@ static const struct setting table[] = {
     { "C", "Continue_Trace", read_flag, AT(resume), 0, 0, NULL },
     { "D", "Display", nothing, 0, 0, 0, NULL },
     { "P", "Pause_When_Done", nothing, 0, 0, 0, NULL },
+    { "X", "Test_Abort", nothing, 0, 0, 0, NULL },
+    { NULL, "Test_Abort_Count", nothing, 0, 0, 0, NULL },
     { "V", "Verbose", nothing, 0, 0, 0, NULL },
     { "L", "Library_Path", read_list, AT(library), 0, 0, NULL },
-    { "HI", "Include_Header", refuse, 0, 0, 0, "a header before the scene is not supported yet" },
+    { "HI", "Include_Header", read_header, 0, 0, 0, NULL },
     { "MV", "Version", read_real, AT(version), 0.1, 3.89, NULL },
     { "K", "Clock", read_clock, 0, -1e300, 1e300, NULL },
     { "KFI", "Initial_Frame", read_int, AT(animation.initial_frame), 0, 1e6, NULL },
@@ -494,5 +520,6 @@ bool povray_bare(struct options *o, const char *word)
         list_add(o, &o->library, word);
         return true;
     }
-    return set_scene(o, word);
+    const char *ini = arena_format(o->mem, "%s.ini", word);
+    return !exists(word) && !has_extension(word) && exists(ini) ? ini_read(o, ini) : set_scene(o, word);
 }

@@ -212,6 +212,14 @@ struct scene *lang_build(struct lang *l, const struct ast *tree)
     return end_scene(l);
 }
 
+static void include_header(struct lang *l, const char *name)
+{
+    const char *text = arena_format(l->mem, "#include \"%s\"%c", name, '\0');
+
+    build_items(l, parse_source(l, source_add(l->sources, "Include_Header", text, strlen(text),
+                                              (struct loc) { 0 })));
+}
+
 struct scene *lang_read(struct lang *l, const char *path)
 {
     uint32_t number;
@@ -219,6 +227,8 @@ struct scene *lang_read(struct lang *l, const char *path)
     if (!open_scene(l, path, &number))
         return NULL;
     begin_scene(l);
+    if (l->setup.header)
+        include_header(l, l->setup.header);
     parse_and_run(l, number, build_items);
     return end_scene(l);
 }

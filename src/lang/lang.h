@@ -25,6 +25,7 @@ struct lang_setup {
     size_t n_allow_read, n_allow_write;
     const char *const *declare;         /* NAME=VALUE */
     size_t n_declare;
+    const char *header;                 /* a file to include before the scene; NULL: none */
     unsigned width, height;             /* image_width, image_height */
     bool checks;                        /* no picture will be made: files are not written either */
     double version;                     /* +MV; 0: not given */
