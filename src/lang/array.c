@@ -232,14 +232,16 @@ static bool has_item(struct lang *l, const struct ast *node)
 
 bool array_is_defined(struct lang *l, const struct ast *node)
 {
-    switch (node->kind) {
-    case AST_INDEX: return has_item(l, node);
-    case AST_NAME: return scope_find(node->name);
-    case AST_NUMBER: case AST_TEXT: case AST_CONSTANT: case AST_WORD: return false;
-    default:
+    bool is_word = node->kind == AST_TEXT || node->kind == AST_CONSTANT || node->kind == AST_WORD
+        || (node->kind == AST_NUMBER && !signbit(node->number));
+
+    if (node->kind == AST_INDEX)
+        return has_item(l, node);
+    if (node->kind == AST_NAME)
+        return scope_find(node->name);
+    if (!is_word)                       /* POV-Ray looks at one word, whatever it is */
         diag_error(l->diag, node->at, "expected a name or an array's element alone");
-        return false;
-    }
+    return false;
 }
 
 /* --- making one ------------------------------------------------------------------------ */

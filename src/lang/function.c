@@ -358,8 +358,8 @@ static void compile_many(struct compiling *c, const struct ast *a, int n, int to
 {
     bool is_min = word_is(a->word, "min");
 
-    if (n < 1)
-        say_count(c, a, a->word->text, 1, n);
+    if (n < 2)
+        say_count(c, a, a->word->text, 2, n);
     for (int i = n - 1; i > 0; i--)
         emit(c, is_min ? CODE_MIN : CODE_MAX, to + i - 1);
 }
@@ -520,6 +520,11 @@ static void compile(struct compiling *c, const struct ast *a, int to)
 
 static void compile_list(struct compiling *c, const struct ast *list, int to)
 {
+    for (const struct ast *a = list->first; a; a = a->next)
+        if (a->kind == AST_SEMICOLON)
+            fail(c, a->at, "';' cannot stand in a function");
+    if (c->failed)
+        return;
     if (list->flags & AST_PLAIN && list->n == 1 && !(list->flags & AST_LAST_COMMA))
         compile(c, list->first, to);
     else
@@ -552,6 +557,8 @@ static bool may_be_parameter(const struct ast *a)
 static void read_parameters(struct compiling *c, const struct ast *params)
 {
     for (const struct ast *a = params->first; a && !c->failed; a = a->next) {
+        if (a->kind == AST_COMMA && !(a != params->first && a->next && a->next->kind != AST_COMMA))
+            fail(c, a->at, "a parameter is missing beside this comma");
         if (a->kind == AST_COMMA)
             continue;
         if (!may_be_parameter(a))
