@@ -59,6 +59,7 @@ struct parse {
     int owed;                   /* a token to give again after those that close brackets */
     bool ended;
     bool every_token;           /* blocks are given in parts, however plain they are */
+    uint32_t vain;              /* the word there begins a block that is not plain; 0: none */
     struct constant ahead[SHORTEST_RUN];
     unsigned n_ahead;
     struct ast *pending;        /* a message that no list has taken yet */
