@@ -27,6 +27,7 @@ struct kept {
     const struct mesh *mesh;
     uint32_t *face;                     /* NULL: all */
     size_t n;
+    struct bounds whole;                /* of them */
 };
 
 static uint32_t kept_face(const struct kept *k, size_t i)
@@ -46,17 +47,25 @@ static bool is_finite(const struct mesh *m, uint32_t face)
            && vec_is_finite(*mesh_corner(m, face, 2));
 }
 
+static bool keeps(struct kept *k, uint32_t face)
+{
+    if (!is_finite(k->mesh, face))
+        return false;
+    k->whole = bounds_join(k->whole, face_bounds(k->mesh, face));
+    return true;
+}
+
 static struct kept keep_finite(const struct mesh *m, struct arena *mem)
 {
-    struct kept k = { m, NULL, 0 };
+    struct kept k = { m, NULL, 0, BOUNDS_EMPTY };
 
-    while (k.n < m->n_face && is_finite(m, (uint32_t)k.n))
+    while (k.n < m->n_face && keeps(&k, (uint32_t)k.n))
         k.n++;
     if (k.n == m->n_face)
         return k;
     k.face = arena_array(mem, m->n_face, sizeof *k.face);
     for (size_t i = k.n = 0; i < m->n_face; i++)
-        if (is_finite(m, (uint32_t)i))
+        if (keeps(&k, (uint32_t)i))
             k.face[k.n++] = (uint32_t)i;
     return k;
 }
@@ -115,7 +124,7 @@ const struct mesh_tree *mesh_tree_new(const struct mesh *m, unsigned threads, st
     }
     struct mesh_tree *t = arena_alloc(mem, sizeof *t);
     t->mesh = m;
-    bvh_build(&t->tree, k.n, kept_bounds, &k, NULL, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
+    bvh_build(&t->tree, k.n, kept_bounds, &k, &k.whole, FACES_A_LEAF, FACES_A_LEAF, threads, mem);
     t->bounds = t->tree.bounds;
     for (size_t i = 0; k.face && i < k.n; i++)
         t->tree.item[i] = k.face[t->tree.item[i]];
