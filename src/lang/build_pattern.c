@@ -555,8 +555,9 @@ static bool read_map(struct reader *r, struct patterned *p, const struct item *i
                        p->kind == PATTERNED_COLOUR ? "a plain colour" : p->word,
                        thing_word(p->of));
         map_makers[m].make(r->lang, i, &v);
-        if (allowed(p, map_makers[m].type))
-            p->map = *(const struct map *)v.thing;
+        const struct map *map = v.thing;        /* an empty one was complained of: nothing can be looked up in it */
+        if (allowed(p, map_makers[m].type) && map->n > 0)
+            p->map = *map;
         return true;
     }
     return false;
