@@ -308,7 +308,7 @@ textures: TEXTURE braces            { $$ = of_one(p, block_node(p, @1, $1, $2));
 
 semicolon: %empty %prec LOW         { $$ = 0; }
     | ';' %prec LOW                 { $$ = 1; }
-    | ';' ';'                       { $$ = 1; }
+    | ';' ';'                       { $$ = 2; }
     ;
 
 condition: group                    { $$ = $1; }
@@ -454,6 +454,7 @@ static struct ast *declaration(struct parse *p, struct loc at, int op, struct as
     node->value = value;
     if (semicolon)
         node->flags |= AST_SEMI;
+    node->n = (uint16_t)semicolon;
     return node;
 }
 

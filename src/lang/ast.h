@@ -94,7 +94,7 @@ struct ast {
     uint8_t op;                 /* '+' '-' '*' '/' '!' '<' '>' '=' '&' '|', or one of below */
     uint8_t index;              /* MEMBER: 0..4, or AST_GRAY */
     uint16_t depth;             /* of an expression */
-    uint16_t n;                 /* values in a plain list, saturated; components */
+    uint16_t n;                 /* values in a plain list, saturated; components; of a DECLARE: semicolons */
     struct loc at;
     struct ast *next;           /* the item after this one */
     union {

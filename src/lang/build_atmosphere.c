@@ -148,7 +148,9 @@ bool build_background(struct lang *l, const struct item *block, struct value *ou
 
     *out = (struct value) { .type = VALUE_NONE };
     reader_open(&r, l, block->body);
-    l->scene->background = colour_take(&r, false, "background");
+    l->scene->background = (colour) { 0 };
+    if (reader_peek(&r)->kind != ITEM_END)
+        l->scene->background = colour_take(&r, false, "background");
     l->scene->has_background = true;
     if (reader_peek(&r)->kind != ITEM_END)
         build_unknown(l, reader_peek(&r), "background", NULL);

@@ -44,9 +44,15 @@ static void read_colours(struct lang *l, struct reader *r, struct entries *e)
     }
     double high = reader_number(r, false, "a map's value");
     for (int i = 0; i < 2; i++) {
+        const struct item *next = reader_peek(r);
+        if (!item_is(next, "color") && !item_is(next, "colour")) {
+            diag_error(l->diag, reader_at(r), "expected 'color' before each of the two colours");
+            r->failed = true;
+            return;
+        }
         struct map_entry *one = add(l, e);
         one->value = (double)(float)(i == 0 ? low : high);
-        one->colour = colour_take(r, true, "a map");
+        one->colour = colour_take(r, false, "a map");
     }
 }
 
@@ -107,7 +113,7 @@ static void read_entry(struct lang *l, const struct item *i, enum value_type typ
         read_slope(l, &r, e);
     else
         read_thing(l, &r, e, type, i);
-    if (reader_peek(&r)->kind != ITEM_END)
+    if (!r.failed && reader_peek(&r)->kind != ITEM_END)
         build_unknown(l, reader_peek(&r), "a map's entry", NULL);
     reader_close(&r);
     check_order(l, e, before, at, map);

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/colour.h"
 #include "lang/frame.h"
 
 struct object *object_start(struct lang *l, enum object_kind kind, struct loc at)
@@ -326,9 +327,18 @@ static bool read_word(struct reader *r, struct object *o, const struct item *i,
 }
 
 /* A colour alone is ignored with a warning, as POV-Ray does. */
-static void skip_colour(struct lang *l, const struct item *i)
+static bool skip_colour(struct reader *r, const struct item *i)
 {
-    diag_warning(l->diag, i->at, "a colour here has no effect: it belongs in pigment { }");
+    struct value v;
+
+    diag_warning(r->lang->diag, i->at, "a colour here has no effect: it belongs in pigment { }");
+    if (i->kind == ITEM_VALUE)
+        return true;
+    if (reader_is_number(r))
+        reader_next(r);                 /* of rgb, red ... */
+    else
+        colour_read(r, &v);             /* behind color */
+    return true;
 }
 
 bool build_modifier(struct reader *r, struct object *o, const struct item *i,
@@ -342,13 +352,9 @@ bool build_modifier(struct reader *r, struct object *o, const struct item *i,
     }
     if (i->kind == ITEM_BLOCK)
         return read_block(r, o, i);
-    if (i->kind == ITEM_WORD)
-        return read_word(r, o, i, block);
-    if (i->kind == ITEM_VALUE && i->value.type == VALUE_COLOUR) {
-        skip_colour(r->lang, i);
-        return true;
-    }
-    return false;
+    if (item_is_colour(i))
+        return skip_colour(r, i);
+    return i->kind == ITEM_WORD && read_word(r, o, i, block);
 }
 
 static void no_such(struct reader *r, const struct item *i, const struct item *block,

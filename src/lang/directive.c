@@ -258,6 +258,8 @@ static void declare(struct lang *l, const struct ast *node)
         end.begin = end.end;
         diag_error(l->diag, end, "';' is missing behind this declaration");
     }
+    if (node->n > 1 && !value_is_number(&v))
+        diag_error(l->diag, node->at, "a second ';' can follow the declaration of numbers only");
     if (v.n == 5)
         settle(&v);
     if (node->target->kind == AST_NAME)
