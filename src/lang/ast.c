@@ -7,13 +7,44 @@
 
 enum { DEEPEST = 10000 };       /* of an expression: the evaluator recurses */
 
-struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at)
+/* Of what large scenes are made of, no more than is used; n: of a LITERAL. */
+static size_t size_of(enum ast_kind kind, unsigned n)
 {
-    struct ast *node = arena_alloc(p->mem, sizeof *node);
+    switch (kind) {
+    case AST_COMMA: case AST_COLON: case AST_SEMICOLON: return offsetof(struct ast, number);
+    case AST_NUMBER:  return offsetof(struct ast, number) + sizeof(double);
+    case AST_LITERAL: return offsetof(struct ast, v) + n * sizeof(double);
+    default:          return sizeof(struct ast);
+    }
+}
+
+static struct ast *new_of(struct parse *p, enum ast_kind kind, struct loc at, unsigned n)
+{
+    struct ast *node = arena_alloc_aligned(p->mem, size_of(kind, n), _Alignof(struct ast));
 
     node->kind = (uint8_t)kind;
     node->at = at;
+    node->n = (uint16_t)n;
     return node;
+}
+
+struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at) { return new_of(p, kind, at, 0); }
+
+struct ast *ast_literal(struct parse *p, struct loc at, const double v[], unsigned n)
+{
+    struct ast *node = new_of(p, AST_LITERAL, at, n);
+
+    memcpy(node->v, v, n * sizeof *v);
+    return node;
+}
+
+struct ast *ast_copy(struct arena *mem, const struct ast *a)
+{
+    struct ast *copy = arena_alloc(mem, sizeof *copy);
+
+    memcpy(copy, a, size_of(a->kind, a->n));
+    copy->next = NULL;
+    return copy;
 }
 
 struct ast *ast_list(struct parse *p, struct loc at)

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/arena.h"
 #include "base/name.h"
 #include "base/source.h"
 
@@ -124,6 +125,9 @@ enum { AST_OP_LE = 'l', AST_OP_GE = 'g', AST_OP_NE = 'n' };
 enum { AST_GRAY = 8, AST_GREY };      /* .grey: in functions only */
 
 bool ast_is_value(const struct ast *a);
+
+/* Nodes of some kinds are smaller than the struct: a copy that is not, and stands alone. */
+struct ast *ast_copy(struct arena *mem, const struct ast *a);
 const struct ast *ast_leftmost(const struct ast *a);    /* the operand that an expression begins with */
 
 #endif

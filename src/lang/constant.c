@@ -38,13 +38,10 @@ struct ast *constant_node(struct parse *p, const struct constant *c)
 {
     bool vector = *c->begin == '<';
     struct loc at = { p->source, (uint32_t)(c->begin - p->text), (uint32_t)(c->end - p->text) };
-    struct ast *node = ast_new(p, vector ? AST_LITERAL : AST_NUMBER, at);
 
-    if (!vector) {
-        node->number = c->v[0];
-        return node;
-    }
-    node->n = (uint16_t)c->n;
-    memcpy(node->v, c->v, c->n * sizeof *c->v);
+    if (vector)
+        return ast_literal(p, at, c->v, c->n);
+    struct ast *node = ast_new(p, AST_NUMBER, at);
+    node->number = c->v[0];
     return node;
 }

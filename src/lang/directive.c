@@ -497,9 +497,7 @@ static bool begin_switch(struct lang *l, const struct ast *from, const struct as
     struct reader r;
 
     for (const struct ast *a = from; a != label; a = a->next) {
-        struct ast *copy = arena_copy(l->mem, a, sizeof *a);
-        copy->next = NULL;
-        ast_add(&list, copy);
+        ast_add(&list, ast_copy(l->mem, a));
     }
     reader_start(&r, l, &list);
     const struct ast *a = reader_step(&r);
@@ -748,15 +746,13 @@ static struct ast *apart(struct lang *l, const struct ast *list)
 
     *to = (struct ast) { .kind = AST_LIST, .at = list->at, .close = list->close };
     for (const struct ast *a = list->first; a; a = a->next) {
-        struct ast *left = arena_copy(l->mem, a, sizeof *a), *right = NULL;
+        struct ast *left = ast_copy(l->mem, a), *right = NULL;
         if (a->kind == AST_BINARY && strchr("+-", a->op) && a->left->kind == AST_CALL
             && is_macro(a->left->name)) {
-            right = arena_copy(l->mem, a, sizeof *a);
+            right = ast_copy(l->mem, a);
             right->kind = AST_UNARY;
-            right->next = NULL;
-            left = arena_copy(l->mem, a->left, sizeof *left);
+            left = ast_copy(l->mem, a->left);
         }
-        left->next = NULL;
         ast_add(to, left);
         ast_add(to, right);
     }

@@ -163,6 +163,8 @@ static void dump(struct dump *d, const struct ast *a)
         fprintf(d->out, " %u of %u\n", a->bulk.n, a->bulk.components);
     else if (a->kind == AST_ERROR)
         fprintf(d->out, " %s\n", a->text);
+    else if (a->kind == AST_COMMA || a->kind == AST_COLON || a->kind == AST_SEMICOLON)
+        fputc('\n', d->out);
     else {
         fprintf(d->out, "%s%s\n", a->name ? " " : "", a->name ? a->name->text : "");
         dump_list(d, a->body);

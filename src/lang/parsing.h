@@ -111,7 +111,8 @@ static inline bool is_letter(char c)
 struct ast *plain_block(struct parse *p, struct name *word, char *begin, char **end);
 
 /* Nodes (ast.c). */
-struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at);
+struct ast *ast_new(struct parse *p, enum ast_kind kind, struct loc at);      /* no LITERAL */
+struct ast *ast_literal(struct parse *p, struct loc at, const double v[], unsigned n);
 struct ast *ast_list(struct parse *p, struct loc at);
 struct ast *ast_add(struct ast *list, struct ast *item);        /* item may be NULL */
 struct ast *ast_pack(struct ast *list);     /* of values: see AST_PLAIN */
