@@ -57,7 +57,7 @@ static struct bounds bounds(const void *self)
 INLINE bool cross(const struct disc *s, struct ray ray, double *out)
 {
     vec3 from = vec_scale(vec_sub(ray.origin, s->centre), s->unit);
-    double t = -vec_dot(s->normal, from) / vec_dot(s->normal, ray.dir);
+    double t = -vec_dot(s->normal, from) * (1 / vec_dot(s->normal, ray.dir));   /* as plane.c */
     vec3 q = vec_fma(from, t, ray.dir);
     double rr = vec_dot(q, q);
 
@@ -87,7 +87,7 @@ INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
 {
     const struct disc *s = self;
     struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s->centre), s->unit);
-    wide at = -wide_dot_vec(from, s->normal) / wide_dot_vec(r->d, s->normal);
+    wide at = -wide_dot_vec(from, s->normal) * (1 / wide_dot_vec(r->d, s->normal));
     struct wide3 q = wide3_fma(from, at, r->d);
     wide rr = wide_dot(q, q);
 

@@ -49,9 +49,11 @@ static struct bounds crust(const void *self)
     return b;
 }
 
+/* Multiplied and not divided, as a box does it: a face in the plane of an axis
+ * has then the plane's very t, and the same of the two is seen everywhere. */
 INLINE bool cross(const struct plane *s, struct ray ray, double *t)
 {
-    *t = (s->distance - vec_dot(s->normal, ray.origin)) / vec_dot(s->normal, ray.dir);
+    *t = (s->distance - vec_dot(s->normal, ray.origin)) * (1 / vec_dot(s->normal, ray.dir));
     return fabs(*t) < INFINITY;         /* parallel: infinite, or 0 / 0 */
 }
 
@@ -105,7 +107,7 @@ INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
 {
     const struct plane *s = self;
 
-    *t = (s->distance - wide_dot_vec(r->o, s->normal)) / wide_dot_vec(r->d, s->normal);
+    *t = (s->distance - wide_dot_vec(r->o, s->normal)) * (1 / wide_dot_vec(r->d, s->normal));
     return wide_is_finite(*t);
 }
 

@@ -883,6 +883,23 @@ static void finish_space(struct builder *b, uint32_t number, struct items *items
 
 static const struct context top = { .is_inherited = false };
 
+static bool is_endless(const struct object *o)
+{
+    return o->kind == OBJECT_SHAPE && o->ops->is_infinite;
+}
+
+/* Of hits at the same place that of the first leaf counts.  What has no end
+ * comes first, wherever it is listed: on a floor that a box's face lies in,
+ * the floor is seen, as POV-Ray has it. */
+static void add_objects(struct builder *b, const struct scene *s, bool endless)
+{
+    for (size_t i = 0; i < s->n_object; i++) {
+        struct object room;
+        if (is_endless(s->listed[i].like) == endless)
+            add_object(b, scene_object(s, i, &room), &top);
+    }
+}
+
 /* The shape of a light lets the light out. */
 static void add_lamps(struct builder *b)
 {
@@ -946,10 +963,8 @@ void geometry_build(struct plan *p, struct scene *s, unsigned threads)
     share_init(&b.share, s, &b.scrap);
     b.items = &items;
     b.space = new_space(&b);
-    for (size_t i = 0; i < s->n_object; i++) {
-        struct object room;
-        add_object(&b, scene_object(s, i, &room), &top);
-    }
+    add_objects(&b, s, true);
+    add_objects(&b, s, false);
     add_lamps(&b);
     take_leaves(&b, s);
     finish_space(&b, 0, &items);
