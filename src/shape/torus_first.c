@@ -205,14 +205,12 @@ double torus_entry(const struct torus *s, const struct torus_chord *c, double a,
 
 /* ---- rays ---- */
 
-INLINE wide wide_dot3(struct wide3 a, struct wide3 b) { return wide_dot(a, b); }
-
 /* Lanes that come near to the tube; as torus_cross.c has it. */
 static wide_mask clip(struct lines *c)
 {
     const wide margin = wide_of(TORUS_MARGIN);
     double tube = c->s->tube, out = c->s->ring + tube;
-    wide left = out * out - wide_dot3(c->p, c->p);
+    wide left = out * out - wide_dot(c->p, c->p);
     wide_mask is_near = wide_not(wide_below(left, -margin));
     wide_mask is_flat = wide_below(wide_abs(c->e.y), margin);
     wide a = (-tube - c->p.y) / c->e.y, b = (tube - c->p.y) / c->e.y;
