@@ -536,11 +536,19 @@ START_TEST(test_a_sphere_is_hit_or_missed_rightly)
 }
 END_TEST
 
+/* As the library tells exponents. */
+static double unit_by_library(double size)
+{
+    int e = ilogb(size);
+
+    return ldexp(1, e < -1000 ? 1000 : e > 1000 ? -1000 : -e);
+}
+
 START_TEST(test_a_unit_from_the_bits_of_a_size_is_the_same)
 {
     for (int e = -1074; e < 1024; e++)
         for (double x = 1; x < 2; x += 0.37)
-            ck_assert(unit_of(ldexp(x, e)) == unit_for(ldexp(x, e)));
+            ck_assert(unit_for(ldexp(x, e)) == unit_by_library(ldexp(x, e)));
 }
 END_TEST
 

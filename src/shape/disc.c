@@ -83,8 +83,10 @@ static int hits(const void *self, struct ray ray, struct hit out[])
     return nearest(self, &ray, -INFINITY, INFINITY, out);
 }
 
-INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
+INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide_mask asked, wide *t,
+                            wide_mask *unsure)
 {
+    (void)asked, (void)unsure;          /* none ever is */
     const struct disc *s = self;
     struct wide3 from = wide3_scale(wide3_sub_vec(r->o, s->centre), s->unit);
     wide at = -wide_dot_vec(from, s->normal) * (1 / wide_dot_vec(r->d, s->normal));

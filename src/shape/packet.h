@@ -135,9 +135,11 @@ INLINE void packet_spans(wide_cut *cut, const void *self, double size, const str
     }
 }
 
-/* ---- flat shapes with one ---- */
+/* ---- shapes of which one crossing is told: flat ones, and the first of others ---- */
 
-typedef wide_mask wide_cross(const void *self, const struct wide_ray *r, wide *t);
+/* unsure: lanes for which the plain way decides; of the asked ones. */
+typedef wide_mask wide_cross(const void *self, const struct wide_ray *r, wide_mask asked, wide *t,
+                             wide_mask *unsure);
 
 INLINE void packet_crosses(wide_cross *cross, const void *self, double size,
                            const struct packet *p, const uint8_t may[], struct crossings *out)
@@ -150,7 +152,9 @@ INLINE void packet_crosses(wide_cross *cross, const void *self, double size,
             continue;
         struct wide_ray r = packet_rays(p, at);
         wide t;
-        wide_mask met = cross(self, &r, &t) & wide_is_finite(t);
+        wide_mask unsure = wide_mask_of(0);
+        wide_mask met = cross(self, &r, wide_mask_of(may[k]), &t, &unsure) & wide_is_finite(t);
+        out->unsure[k] = (uint8_t)(wide_bits(unsure) & may[k]);
         out->met[k] = (uint8_t)(wide_bits(met) & may[k]);
         if (out->met[k])
             crossings_put(out, 0, at, t, wide_slack(&r, t, size), wide_ints_of(0));

@@ -103,8 +103,10 @@ static void spans(const void *self, const struct rays *r, double near[], double 
     halves(self, r->n, r->x, r->y, r->z, r->dx, r->dy, r->dz, near, far);
 }
 
-INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide *t)
+INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide_mask asked, wide *t,
+                            wide_mask *unsure)
 {
+    (void)asked, (void)unsure;          /* none ever is */
     const struct plane *s = self;
 
     *t = (s->distance - wide_dot_vec(r->o, s->normal)) * (1 / wide_dot_vec(r->d, s->normal));

@@ -39,7 +39,7 @@ struct measure {
 
 INLINE struct measure measure_of(const struct sphere *s)
 {
-    double unit = unit_of(s->radius);
+    double unit = unit_for(s->radius);
 
     return (struct measure) { s->centre, unit, 1 / unit, s->radius * unit };
 }

@@ -225,4 +225,3 @@ int torus_cross(const struct torus *s, struct ray ray, double near, double far, 
     expand(s, &c);
     return crossings(s, &c, near, far, most, t);
 }
-

@@ -237,7 +237,7 @@ static void expand(struct lines *c)
     c->turn = wide_sqrt(wide_max(-c->c2 / 6, wide_of(0)));
 }
 
-/* False: none of the asked comes near. */
+/* Those of the asked that come near. */
 static wide_mask lines_of(const struct torus *s, const struct wide_ray *r, wide_mask asked, struct lines *c)
 {
     double out = s->ring + s->tube + 0x1p-20;
@@ -339,22 +339,20 @@ enum torus_first torus_first(const struct torus *s, const struct ray *ray, doubl
     return wide_bits(e.is_there) & 1 && *t < far ? TORUS_MET : TORUS_MISSED;
 }
 
+INLINE wide_mask cross_many(const void *self, const struct wide_ray *r, wide_mask asked, wide *t,
+                            wide_mask *unsure)
+{
+    struct entry e = first_crossing(self, r, wide_of(0), asked);
+
+    *t = e.at;
+    *unsure = e.unsure;
+    return e.is_there;
+}
+
 void torus_first_many(const void *self, const struct packet *p, const uint8_t may[],
                       struct crossings *out)
 {
     const struct torus *s = self;
 
-    out->most = 1;
-    out->has_weights = false;
-    for (int at = 0, k = 0; at < p->n; at += WIDE, k++) {
-        out->met[k] = out->unsure[k] = 0;
-        if (!may[k])
-            continue;
-        struct wide_ray r = packet_rays(p, at);
-        struct entry e = first_crossing(s, &r, wide_of(0), wide_mask_of(may[k]));
-        out->unsure[k] = (uint8_t)(wide_bits(e.unsure) & may[k]);
-        out->met[k] = (uint8_t)(wide_bits(e.is_there & wide_is_finite(e.at)) & may[k]);
-        if (out->met[k])
-            crossings_put(out, 0, at, e.at, wide_slack(&r, e.at, s->major + s->minor), wide_ints_of(0));
-    }
+    packet_crosses(cross_many, s, s->major + s->minor, p, may, out);
 }

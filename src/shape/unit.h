@@ -11,18 +11,11 @@
 
 #define ROUNDING 0x1p-53                /* largest relative error of one operation */
 
-/* A power of two that brings size to [1, 2). */
+/* A power of two that brings size to [1, 2): from the bits of its exponent. */
 static inline double unit_for(double size)
 {
-    int e = ilogb(size);
-    return ldexp(1, e < -1000 ? 1000 : e > 1000 ? -1000 : -e);
-}
-
-/* The same for a size above 0, in a few steps: from the bits of its exponent. */
-static inline double unit_of(double size)
-{
     enum { BIAS = 1023, MOST = 1000 };
-    union { double value; int64_t bits; } u = { .value = size };
+    union { double value; int64_t bits; } u = { .value = fabs(size) };
     int64_t e = (u.bits >> 52) - BIAS;
 
     e = e < -MOST ? -MOST : e > MOST ? MOST : e;

@@ -883,15 +883,11 @@ static void finish_space(struct builder *b, uint32_t number, struct items *items
 
 static const struct context top = { .is_inherited = false };
 
-/* Of a difference the first part tells, of an intersection all must be so. */
-static bool is_endless(const struct object *o)
+static bool is_endless(const struct builder *b, const struct object *o)
 {
-    if (o->kind == OBJECT_SHAPE)
-        return o->ops->is_infinite;
-    size_t n = o->kind == OBJECT_DIFFERENCE && o->n_child ? 1 : o->n_child, n_endless = 0;
-    for (size_t i = 0; i < n; i++)
-        n_endless += is_endless(o->child[i]);
-    return o->kind == OBJECT_INTERSECTION ? n > 0 && n_endless == n : n_endless > 0;
+    const struct shared *shared = share_find(&b->share, o);
+
+    return o->kind == OBJECT_SHAPE ? o->ops->is_infinite : shared && shared->is_endless;
 }
 
 /* Of hits at the same place that of the first leaf counts.  What has no end
@@ -901,7 +897,7 @@ static void add_objects(struct builder *b, const struct scene *s, bool endless)
 {
     for (size_t i = 0; i < s->n_object; i++) {
         struct object room;
-        if (is_endless(s->listed[i].like) == endless)
+        if (is_endless(b, s->listed[i].like) == endless)
             add_object(b, scene_object(s, i, &room), &top);
     }
 }

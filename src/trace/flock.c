@@ -58,15 +58,6 @@ static void arrivals_cut(struct arrivals *a, const struct leaf *l)
     l->ops->spans(l->shape, &rays, a->enter, a->leave);
 }
 
-static unsigned any_of(const uint8_t bits[], int n)
-{
-    unsigned any = 0;
-
-    for (int k = 0; k < n; k++)
-        any |= bits[k];
-    return any;
-}
-
 /* Gathering rays pays where each asks about some things. */
 static bool is_crowd(const uint8_t bits[], int n)
 {

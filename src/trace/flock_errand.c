@@ -127,11 +127,7 @@ static void send_all(struct flock *f, uint32_t number, int bit, const uint8_t ra
 
 void flock_send(struct flock *f, const uint32_t item[], const uint8_t ray[], uint8_t bits[], int n)
 {
-    unsigned any = 0;
-
-    for (int k = 0; k < n; k++)
-        any |= bits[k];
-    for (; any; any &= any - 1) {
+    for (unsigned any = any_of(bits, n); any; any &= any - 1) {
         int bit = __builtin_ctz(any);
         if (item_kind(item[bit]) == ITEM_INSTANCE)
             send_all(f, item_number(item[bit]), bit, ray, bits, n);

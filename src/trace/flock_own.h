@@ -38,6 +38,16 @@ INLINE void flock_block(struct flock *f, int i)
     stream_end(f->search.s->stream, i);
 }
 
+/* What any of a leaf's rays asks about. */
+INLINE unsigned any_of(const uint8_t bits[], int n)
+{
+    unsigned any = 0;
+
+    for (int k = 0; k < n; k++)
+        any |= bits[k];
+    return any;
+}
+
 /* ---- errands: rays that go to instances, which wait until there are many ---- */
 
 void flock_errands_begin(const struct flock *f);

@@ -50,11 +50,19 @@ static void cover(struct shared *sum, const struct object *o)
 
 static struct shared look_at(struct share *s, const struct object *o);
 
+/* n of its children are.  Of a difference the first tells, of an intersection all must be so. */
+static bool is_endless(const struct object *o, size_t n, bool is_first)
+{
+    return o->kind == OBJECT_DIFFERENCE ? is_first : o->kind == OBJECT_INTERSECTION ? n == o->n_child : n > 0;
+}
+
 /* Children that were seen before are counted and not looked at again: a
  * thing inside of a shared thing is shared with it. */
 static struct shared look_at_children(struct share *s, const struct object *o)
 {
     struct shared sum = { .children = o->child, .n_use = 1 };
+    size_t n_endless = 0;
+    bool is_first = false;
 
     if (2 * s->n >= s->room)
         grow(s);
@@ -66,7 +74,10 @@ static struct shared look_at_children(struct share *s, const struct object *o)
     for (size_t i = 0; i < o->n_child; i++) {
         struct shared child = look_at(s, o->child[i]);
         absorb(&sum, &child);
+        n_endless += child.is_endless;
+        is_first |= i == 0 && child.is_endless;
     }
+    sum.is_endless = is_endless(o, n_endless, is_first);
     while (2 * s->n >= s->room)
         grow(s);
     s->table[slot_of(s, o->child)] = sum;
@@ -77,7 +88,8 @@ static struct shared look_at_children(struct share *s, const struct object *o)
 static struct shared look_at(struct share *s, const struct object *o)
 {
     struct shared sum = { .n_leaf = 1, .lacks_texture = true, .lacks_interior = true,
-                          .lacks_interior_texture = true };
+                          .lacks_interior_texture = true,
+                          .is_endless = o->kind == OBJECT_SHAPE && o->ops->is_infinite };
 
     if (o->kind == OBJECT_LIGHT)
         return (struct shared) { 0 };

@@ -11,6 +11,7 @@ struct shared {
     const void *children;
     size_t n_leaf;                      /* below */
     size_t n_use;                       /* places that are worth looking at apart */
+    bool is_endless;                    /* it, or what counts of it, has no bounds */
     bool has_look;                      /* some node below has a texture or interior of its own */
     bool lacks_texture, lacks_interior, lacks_interior_texture;
 };
