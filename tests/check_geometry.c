@@ -1,7 +1,7 @@
 /* check_geometry.c: what must hold of trees, CSG, meshes and instances.
  *
  * The oracles: every leaf asked one after the other, and points asked by
- * object_inside(), which knows nothing of the tracer. */
+ * object_inside(, NULL), which knows nothing of the tracer. */
 #include <check.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -949,15 +949,15 @@ START_TEST(test_csg_shows_exactly_where_its_inside_begins_and_ends)
             struct ray ray = random_ray(4, 1);
             struct meeting m;
             double end = 2;
-            bool first = object_inside(o, ray.origin);
+            bool first = object_inside(o, ray.origin, NULL);
             if (geometry_nearest(p, s, ray, 2, RAY_PRIMARY, &m)) {
                 vec3 before = ray_at(ray, m.t - step), after = ray_at(ray, m.t + step);
-                ck_assert_int_ne(object_inside(o, before), object_inside(o, after));
+                ck_assert_int_ne(object_inside(o, before, NULL), object_inside(o, after, NULL));
                 end = m.t - step;
                 met++;
             }
             for (int k = 0; k < 40; k++)
-                ck_assert_int_eq(object_inside(o, ray_at(ray, uniform(0, end))), first);
+                ck_assert_int_eq(object_inside(o, ray_at(ray, uniform(0, end)), NULL), first);
         }
     }
     ck_assert_int_gt(met, 2000);
@@ -979,7 +979,7 @@ START_TEST(test_csg_normals_point_out_of_the_solid)
             if (!geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m))
                 continue;
             geometry_point(p, &ray, &m, &at);
-            bool enters = object_inside(o, ray_at(ray, m.t + step));
+            bool enters = object_inside(o, ray_at(ray, m.t + step), NULL);
             ck_assert_int_eq(vec_dot(at.normal, ray.dir) < 0, enters);
         }
     }
@@ -1587,8 +1587,8 @@ START_TEST(test_a_difference_with_thousands_of_cutters_is_right)
         struct ray ray = random_ray(4, 1);
         struct meeting m;
         if (geometry_nearest(p, s, ray, INFINITY, RAY_PRIMARY, &m)) {
-            ck_assert(!object_inside(o, ray_at(ray, m.t - step)));
-            ck_assert(object_inside(o, ray_at(ray, m.t + step)));
+            ck_assert(!object_inside(o, ray_at(ray, m.t - step), NULL));
+            ck_assert(object_inside(o, ray_at(ray, m.t + step), NULL));
         }
     }
 }

@@ -219,14 +219,14 @@ START_TEST(test_insides_follow_set_algebra)
     for (int i = 0; i < 2000; i++) {
         struct object *a = ball_at(vec(0, 0, 0)), *b = ball_at(vec(0.8, 0, 0));
         vec3 p = random_vector(2);
-        bool in_a = object_inside(a, p), in_b = object_inside(b, p);
-        ck_assert(object_inside(combined(OBJECT_UNION, a, b), p) == (in_a || in_b));
-        ck_assert(object_inside(combined(OBJECT_MERGE, a, b), p) == (in_a || in_b));
-        ck_assert(object_inside(combined(OBJECT_INTERSECTION, a, b), p) == (in_a && in_b));
+        bool in_a = object_inside(a, p, NULL), in_b = object_inside(b, p, NULL);
+        ck_assert(object_inside(combined(OBJECT_UNION, a, b), p, NULL) == (in_a || in_b));
+        ck_assert(object_inside(combined(OBJECT_MERGE, a, b), p, NULL) == (in_a || in_b));
+        ck_assert(object_inside(combined(OBJECT_INTERSECTION, a, b), p, NULL) == (in_a && in_b));
         struct object *d = combined(OBJECT_DIFFERENCE, a, b);
-        ck_assert(object_inside(d, p) == (in_a && !in_b));
+        ck_assert(object_inside(d, p, NULL) == (in_a && !in_b));
         d->flags |= OBJECT_INVERSE;
-        ck_assert(object_inside(d, p) != (in_a && !in_b));
+        ck_assert(object_inside(d, p, NULL) != (in_a && !in_b));
     }
 }
 END_TEST
@@ -239,8 +239,8 @@ START_TEST(test_a_clip_takes_its_outside_away)
     struct object_more *more = object_more(&mem, o);
     more->clip = clip;
     more->n_clip = 1;
-    ck_assert(!object_inside(o, vec(-0.5, 0, 0)));
-    ck_assert(object_inside(o, vec(0.5, 0, 0)));
+    ck_assert(!object_inside(o, vec(-0.5, 0, 0), NULL));
+    ck_assert(object_inside(o, vec(0.5, 0, 0), NULL));
 }
 END_TEST
 
@@ -250,9 +250,9 @@ START_TEST(test_inside_moves_with_the_object)
         struct object *o = combined(OBJECT_DIFFERENCE, ball_at(vec(0, 0, 0)), ball_at(vec(1, 0, 0)));
         struct transform t = random_place();
         vec3 p = random_vector(1.5);
-        bool before = object_inside(o, p);
+        bool before = object_inside(o, p, NULL);
         object_move(&mem, o, &t);
-        ck_assert(object_inside(o, mat_point(&t.to, p)) == before);
+        ck_assert(object_inside(o, mat_point(&t.to, p), NULL) == before);
     }
 }
 END_TEST
@@ -264,11 +264,11 @@ START_TEST(test_trace_meets_the_surface_of_what_remains)
         struct transform t = random_place();
         object_move(&mem, o, &t);
         vec3 from = random_vector(10), dir = vec_unit(random_vector(1)), p, n;
-        if (!object_trace(o, from, dir, &p, &n))
+        if (!object_trace(o, from, dir, NULL, &p, &n))
             continue;
         NEAR(vec_length(n), 1);
-        ck_assert(object_inside(o, vec_fma(p, -1e-4, n)));
-        ck_assert(!object_inside(o, vec_fma(p, 1e-4, n)));
+        ck_assert(object_inside(o, vec_fma(p, -1e-4, n), NULL));
+        ck_assert(!object_inside(o, vec_fma(p, 1e-4, n), NULL));
     }
 }
 END_TEST
@@ -277,9 +277,9 @@ START_TEST(test_trace_tells_a_miss)
 {
     vec3 p, n;
 
-    ck_assert(!object_trace(ball_at(vec(0, 0, 0)), vec(0, 5, -5), vec(0, 0, 1), &p, &n));
-    ck_assert(!object_trace(ball_at(vec(0, 0, 0)), vec(0, 0, -5), vec(0, 0, -1), &p, &n));
-    ck_assert(object_trace(ball_at(vec(0, 0, 0)), vec(0, 0, -5), vec(0, 0, 7), &p, &n));
+    ck_assert(!object_trace(ball_at(vec(0, 0, 0)), vec(0, 5, -5), vec(0, 0, 1), NULL, &p, &n));
+    ck_assert(!object_trace(ball_at(vec(0, 0, 0)), vec(0, 0, -5), vec(0, 0, -1), NULL, &p, &n));
+    ck_assert(object_trace(ball_at(vec(0, 0, 0)), vec(0, 0, -5), vec(0, 0, 7), NULL, &p, &n));
     NEAR_VEC(p, vec(0, 0, -1));
     NEAR_VEC(n, vec(0, 0, -1));
 }
@@ -290,8 +290,81 @@ START_TEST(test_trace_of_an_intersection_needs_all)
     struct object *o = combined(OBJECT_INTERSECTION, ball_at(vec(-0.5, 0, 0)), ball_at(vec(0.5, 0, 0)));
     vec3 p, n;
 
-    ck_assert(object_trace(o, vec(-5, 0, 0), vec(1, 0, 0), &p, &n));
+    ck_assert(object_trace(o, vec(-5, 0, 0), vec(1, 0, 0), NULL, &p, &n));
     NEAR_VEC(p, vec(-0.5, 0, 0));       /* the left side of the right ball */
+}
+END_TEST
+
+/* --- trees over parts ------------------------------------------------------------------------ */
+
+/* Balls of which some stand in others' place, some are inverse, one is of
+ * another crowd. */
+static struct object *crowd(enum object_kind kind, size_t n, const struct object *inner)
+{
+    struct object *o = object_new(&mem, kind);
+    const struct object **child = arena_array(&mem, n, sizeof *child);
+
+    for (size_t i = 0; i < n; i++) {
+        vec3 at = random_vector(6);
+        struct object *ball = ball_at(vec(floor(at.x), floor(at.y), floor(at.z)));
+        if (kind == OBJECT_UNION && i % 7 == 3)
+            ball->flags |= OBJECT_INVERSE;
+        child[i] = inner && i == n / 2 ? inner : ball;
+    }
+    o->child = child;
+    o->n_child = (uint32_t)n;
+    return o;
+}
+
+/* Faces through a few corners again and again: rays that meet edges, too. */
+static struct object *random_mesh(size_t n)
+{
+    struct mesh *m = arena_alloc(&mem, sizeof *m);
+    struct object *o = object_new(&mem, OBJECT_MESH);
+    vec3 *vertex = arena_array(&mem, 12, sizeof *vertex);
+
+    m->box = BOUNDS_EMPTY;
+    for (size_t i = 0; i < 12; i++) {
+        vec3 at = random_vector(3);
+        vertex[i] = vec(floor(at.x), floor(at.y), floor(at.z));
+        m->box = bounds_join(m->box, (struct bounds) { vertex[i], vertex[i] });
+    }
+    *m = (struct mesh) { .vertex = vertex, .n_vertex = 12, .n_face = n, .box = m->box,
+                         .face = arena_array(&mem, n, sizeof *m->face), .inside_vector = vec(0.1, 1, 0.2) };
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            m->face[i].of[k] = (uint32_t)(fabs(random_vector(12).x));
+    o->mesh = m;
+    return o;
+}
+
+static void answers_are_equal(const struct object *o)
+{
+    struct object_trees trees = { .mem = &mem };
+
+    for (int i = 0; i < 1500; i++) {
+        vec3 p = random_vector(8), dir = random_vector(1), at[2], n[2];
+        if (i % 3 == 0)                 /* from grid to grid: touching, edges, ties */
+            p = vec(floor(p.x), floor(p.y), -9), dir = vec(0, 0, 1);
+        ck_assert(object_inside(o, p, &trees) == object_inside(o, p, NULL));
+        bool met = object_trace(o, p, dir, NULL, &at[0], &n[0]);
+        ck_assert(object_trace(o, p, dir, &trees, &at[1], &n[1]) == met);
+        ck_assert_mem_eq(&at[0], &at[1], sizeof at[0]);
+        ck_assert_mem_eq(&n[0], &n[1], sizeof n[0]);
+    }
+    ck_assert(trees.known.n > 0);
+}
+
+START_TEST(test_trees_change_no_answer)
+{
+    const enum object_kind kind[] = { OBJECT_UNION, OBJECT_MERGE, OBJECT_DIFFERENCE };
+
+    for (int i = 0; i < 3; i++) {
+        answers_are_equal(crowd(kind[i], 60, NULL));
+        answers_are_equal(crowd(kind[i], 60, crowd(OBJECT_UNION, 40, NULL)));
+        answers_are_equal(crowd(kind[i], 40, random_mesh(50)));
+    }
+    answers_are_equal(random_mesh(300));
 }
 END_TEST
 
@@ -480,6 +553,7 @@ int main(void)
     tcase_add_test(t, test_trace_tells_a_miss);
     tcase_add_test(t, test_trace_of_an_intersection_needs_all);
     tcase_add_test(t, test_all_layers_of_a_texture_move);
+    tcase_add_test(t, test_trees_change_no_answer);
     tcase_add_test(t, test_textures_move_with_their_own_object);
     tcase_add_test(t, test_shapes_that_differ_in_nothing_else_share_one_object);
     tcase_add_test(t, test_lights_in_unions_come_into_the_world_where_they_stand);

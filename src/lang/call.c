@@ -261,12 +261,27 @@ static const char *what_lacks(const struct object *o)
     return lacks;
 }
 
+/* What trace and inside must know of an object, looked up once: there may be
+ * millions of parts, and of questions. */
+struct asked { const char *lacks; bool has_inside; };
+
+static const struct asked *asked_of(struct lang *l, const struct object *o)
+{
+    const void **known = intern_at(&l->asked, l->mem, &o, sizeof o);
+
+    if (!*known) {
+        struct asked *asked = arena_alloc(l->mem, sizeof *asked);
+        asked->lacks = what_lacks(o);   /* what is behind a disc is inside of it: */
+        asked->has_inside = (o->kind == OBJECT_SHAPE && o->ops->inside) || object_is_solid(o);
+        *known = asked;
+    }
+    return *known;
+}
+
 /* The answer is as if what is not supported were not there; what follows from
  * it may be no mistake of the scene. */
-static bool is_unknown(struct arguments *a, const struct object *o)
+static bool is_unknown(struct arguments *a, const char *lacks)
 {
-    const char *lacks = what_lacks(o);
-
     if (lacks)
         diag_unsupported(a->l->diag, a->node->at,
                          arena_format(a->l->mem, "%s of %s", a->call->name, lacks));
@@ -277,19 +292,19 @@ static bool is_unknown(struct arguments *a, const struct object *o)
 static void call_inside(struct arguments *a, struct value *out)
 {
     const struct object *o = a->v[0].thing;
+    const struct asked *asked = asked_of(a->l, o);
 
-    bool has_inside = (o->kind == OBJECT_SHAPE && o->ops->inside) || object_is_solid(o);
-    if (!is_unknown(a, o) && !has_inside)       /* what is behind a disc is inside of it */
+    if (!is_unknown(a, asked->lacks) && !asked->has_inside)
         refuse(a, "the object has no inside");
-    one(out, object_inside(o, point(a, 1)));
+    one(out, object_inside(o, point(a, 1), &a->l->trees));
 }
 
 static void call_trace(struct arguments *a, struct value *out)
 {
     vec3 hit = vec(0, 0, 0), normal = vec(0, 0, 0);
 
-    is_unknown(a, a->v[0].thing);
-    if (!object_trace(a->v[0].thing, point(a, 1), point(a, 2), &hit, &normal))
+    is_unknown(a, asked_of(a->l, a->v[0].thing)->lacks);
+    if (!object_trace(a->v[0].thing, point(a, 1), point(a, 2), &a->l->trees, &hit, &normal))
         hit = normal = vec(0, 0, 0);
     three(out, hit);
     struct value *place = a->n > 3 ? array_place(a->l, a->from[3]) : NULL;

@@ -128,6 +128,7 @@ struct lang *lang_new(const struct lang_setup *setup)
     l->mem = setup->mem;
     arena_init(&l->statements, l->mem->budget);
     l->scene_mem = setup->scene_mem;
+    l->trees.mem = setup->scene_mem;
     l->sources = setup->sources;
     l->diag = setup->diag;
     l->limits = setup->limits;

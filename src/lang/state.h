@@ -8,6 +8,7 @@
 #include "lang/reader.h"
 #include "lang/value.h"
 #include "lang/words.h"
+#include "scene/object.h"
 
 /* A name's meaning.  Scoping is dynamic (facts sdl.md 4.1): name->slot is the
  * innermost binding, outer the one it hides. */
@@ -36,6 +37,8 @@ struct lang {
     struct diag *diag;
     const struct limits *limits;
     struct scene *scene;                /* being built */
+    struct object_trees trees;          /* of what trace and inside were asked about */
+    struct intern asked;                /* and what is known of it: call.c */
     struct build *build;                /* lang-build's own: defaults, cameras; NULL at first */
     struct names names;
 

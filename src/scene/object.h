@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/intern.h"
 #include "base/source.h"
 #include "math/mat.h"
 #include "scene/texture.h"
@@ -122,11 +123,27 @@ struct bounds object_bounds(const struct object *o);
 struct bounds object_extent(const struct object *o);    /* POV-Ray's, which is looser: extent.c */
 struct bounds object_inner_bounds(const struct object *o);      /* of its shape or children, in inner space */
 struct bounds bounds_move(const struct bounds *b, const struct transform *t);
-bool object_inside(const struct object *o, vec3 p);     /* p in outer space */
 bool object_is_solid(const struct object *o);           /* all of it has an inside */
 
+/* --- one question about one object: the language's inside() and trace() ------------- */
+
+/* Trees over the parts of what was asked about, made when first needed (parts.h).
+ * Where there is NULL instead, each part is looked at. */
+struct object_trees {
+    struct arena *mem;
+    struct intern known;                /* by the address of children or faces, which copies share */
+};
+
+bool object_inside(const struct object *o, vec3 p, struct object_trees *t);     /* p in outer space */
+
+/* Of the children, p in inner space: in any from a number on, or in all, one left out. */
+#define NO_CHILD SIZE_MAX
+bool object_inside_any(const struct object *o, vec3 p, size_t from, size_t skip, struct object_trees *t);
+bool object_inside_all(const struct object *o, vec3 p, size_t skip, struct object_trees *t);
+
 /* The nearest surface along a ray in outer space, CSG and clips respected;
- * the normal is outward and of unit length.  For the language's trace(). */
-bool object_trace(const struct object *o, vec3 origin, vec3 dir, vec3 *point, vec3 *normal);
+ * the normal is outward and of unit length. */
+bool object_trace(const struct object *o, vec3 origin, vec3 dir, struct object_trees *t, vec3 *point,
+                  vec3 *normal);
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef RTC_BEAM_H
 #define RTC_BEAM_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 #include "trace/few.h"
 
 enum {

@@ -9,7 +9,7 @@
 #ifndef RTC_CSG_H
 #define RTC_CSG_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 #include "trace/plan.h"
 
 /* Inversion has been carried down to the parts (De Morgan), a difference is

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "trace/brick.h"
+#include "tree/brick.h"
 #include "trace/share.h"
 #include "trace/surface.h"
 #include "trace/world.h"

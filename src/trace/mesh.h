@@ -4,7 +4,7 @@
 
 #include "scene/object.h"
 #include "shape/packet.h"
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 #include "trace/sieve.h"
 #include "trace/stream.h"
 

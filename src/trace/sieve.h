@@ -6,7 +6,7 @@
 #ifndef RTC_SIEVE_H
 #define RTC_SIEVE_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 
 struct sieve {
     /* Of the leaf that begins at item i and has n: from 9 i on, n times the

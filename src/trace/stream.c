@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "math/wide.h"
-#include "trace/brick.h"
+#include "tree/brick.h"
 
 /* --- aiming: bvh_aim, as many rays at once as a register holds ------------- */
 

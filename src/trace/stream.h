@@ -6,7 +6,7 @@
 #ifndef RTC_STREAM_H
 #define RTC_STREAM_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 
 enum { STREAM = 128 };                  /* rays at a time; a byte must hold their numbers */
 

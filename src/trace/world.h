@@ -3,7 +3,7 @@
 #ifndef RTC_WORLD_H
 #define RTC_WORLD_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 #include "trace/csg.h"
 #include "trace/few.h"
 #include "trace/geometry.h"

@@ -12,7 +12,7 @@
 #include "base/arena.h"
 #include "math/kernel.h"
 #include "shape/shape.h"
-#include "trace/lanes.h"
+#include "tree/lanes.h"
 
 /* child: an inner node's number, or the first of count in item[]. */
 struct bvh_node {
@@ -77,6 +77,10 @@ struct bvh_ray {
 
 /* False: the ray misses all of it between near and far. */
 bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struct bvh_ray *out);
+
+/* Calls visit for each item in whose box p may lie; ends when it returns true,
+ * and returns that. */
+bool bvh_at(const struct bvh *b, vec3 p, bool (*visit)(void *arg, uint32_t item), void *arg);
 
 /* What aiming leaves uncertain, in tree units: see bvh.c. */
 static const double bvh_step_error = 0x1p-45, bvh_float_error = 0x1p-23;

@@ -5,7 +5,7 @@
  * what each cell holds orders everything by that number; then neighbours are
  * taken together while they are few, and cells that hold too much are cut
  * into cells of their own. */
-#include "trace/cells.h"
+#include "tree/cells.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* split.c: dividing boxes in two. */
-#include "trace/split.h"
+#include "tree/split.h"
 
 #include <float.h>
 #include <string.h>

@@ -7,13 +7,13 @@
  *
  * A node takes its (up to) eight children by splitting the largest of them
  * again and again. */
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 
 #include <string.h>
 
 #include "base/jobs.h"
-#include "trace/cells.h"
-#include "trace/split.h"
+#include "tree/cells.h"
+#include "tree/split.h"
 
 enum {
     SPLIT_BY_COUNT = 16,        /* levels after which ranges are halved, so that depth is bounded: */

@@ -1,5 +1,5 @@
 /* brick.c: slanted boxes that hold a tree's items. */
-#include "trace/brick.h"
+#include "tree/brick.h"
 
 static const double thinnest = 0x1p-16;         /* in tree units: thinner ones would be all error */
 static const double loose = 1 + 0x1p-20;        /* for what rounding does before floats come in */

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "trace/lanes.h"
+#include "tree/lanes.h"
 
 /* Low x, y, z and, from 4 on, the negatives of high: joining two boxes is
  * taking the least of each.  The third and seventh are free. */

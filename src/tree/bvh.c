@@ -1,5 +1,5 @@
 /* bvh.c: aiming rays at a tree of boxes, and balls in it. */
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 
 /* Rounding up in the last step pays for the roundings before it. */
 void bvh_add_balls(struct bvh *b, bool (*ball)(const void *of, uint32_t item, vec3 *centre, double *radius),
@@ -97,4 +97,54 @@ bool bvh_aim(const struct bvh *b, struct ray ray, double near, double far, struc
     aim_finish(out, 2, z, begin, apart);
     out->apart = (float)(apart + bvh_ball_error);
     return true;
+}
+
+/* --- points ------------------------------------------------------------------------- */
+
+struct spot { lanes low[3], high[3]; };     /* p with its rounding taken off and added */
+
+static bool spot_of(const struct bvh *b, vec3 p, struct spot *s)
+{
+    vec3 at = vec_scale(vec_sub(p, b->middle), b->scale);
+    const double c[3] = { at.x, at.y, at.z };
+
+    if (!(vec_largest(at) < 2))         /* the tree reaches to 1 */
+        return false;
+    for (int axis = 0; axis < 3; axis++) {
+        s->low[axis] = lanes_of((float)(c[axis] - 2 * bvh_float_error));
+        s->high[axis] = lanes_of((float)(c[axis] + 2 * bvh_float_error));
+    }
+    return true;
+}
+
+static unsigned boxes_at(const struct bvh_node *n, const struct spot *s)
+{
+    unsigned bits = (1u << LANES) - 1;
+
+    for (int axis = 0; axis < 3; axis++)
+        bits &= lanes_not_above(lanes_load(n->side[0][axis]), s->high[axis])
+                & lanes_not_above(s->low[axis], lanes_load(n->side[1][axis]));
+    return bits;
+}
+
+bool bvh_at(const struct bvh *b, vec3 p, bool (*visit)(void *arg, uint32_t item), void *arg)
+{
+    uint32_t stack[BVH_STACK];
+    int top = 0;
+    struct spot s;
+
+    if (b->n_node == 0 || !spot_of(b, p, &s))
+        return false;
+    for (stack[top++] = 0; top > 0; ) {
+        const struct bvh_node *n = &b->node[stack[--top]];
+        for (unsigned bits = boxes_at(n, &s); bits; bits &= bits - 1) {
+            int i = __builtin_ctz(bits);
+            if (n->count[i] == 0)
+                stack[top++] = n->child[i];
+            for (uint32_t k = 0; k < n->count[i]; k++)
+                if (visit(arg, b->item[n->child[i] + k]))
+                    return true;
+        }
+    }
+    return false;
 }

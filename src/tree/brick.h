@@ -5,7 +5,7 @@
 #ifndef RTC_BRICK_H
 #define RTC_BRICK_H
 
-#include "trace/bvh.h"
+#include "tree/bvh.h"
 
 struct brick { vec3 centre, edge[3]; };         /* from the centre to three of its faces */
 
