@@ -149,6 +149,7 @@ struct patterned patterned_new(enum value_type of);
 /* The body after an identifier, to the end of the reader. */
 void build_patterned(struct reader *r, struct patterned *p, const struct item *block);
 bool patterned_starts(const struct item *i);    /* a pattern's word? */
+const char *patterned_word(size_t i);           /* of such words those that are no row's; NULL ends */
 extern const struct field pattern_fields[];     /* the modifiers */
 
 bool make_pigment(struct lang *l, const struct item *block, struct value *out);

@@ -193,11 +193,15 @@ bool patterned_starts(const struct item *i)
 {
     if (i->kind == ITEM_VALUE)
         return i->value.type == VALUE_FUNCTION && !i->name;
-    if (i->kind != ITEM_WORD && i->kind != ITEM_BLOCK)
-        return false;
-    const char *w = i->word->text;
-    return pattern_find(w) || find_syntax(w) || strcmp(w, "average") == 0
-           || strcmp(w, "image_map") == 0 || strcmp(w, "uv_mapping") == 0;
+    return (i->kind == ITEM_WORD || i->kind == ITEM_BLOCK) && i->word->begins_pattern;
+}
+
+const char *patterned_word(size_t i)
+{
+    static const char *const more[] = { "average", "image_map", "uv_mapping", NULL };
+    const size_t n = sizeof syntaxes / sizeof *syntaxes - 1;
+
+    return i < n ? syntaxes[i].name : more[i - n];
 }
 
 /* --- the pattern --------------------------------------------------------------- */
@@ -445,7 +449,7 @@ static void read_pigment_pattern(struct reader *r, struct patterned *p, const st
 static void read_pattern(struct reader *r, struct patterned *p, const struct item *i)
 {
     const char *word = i->kind == ITEM_VALUE ? "function" : i->word->text;
-    const struct pattern_ops *ops = pattern_find(word);
+    const struct pattern_ops *ops = i->kind == ITEM_VALUE ? pattern_find(word) : i->word->pattern;
     bool had_map = p->kind == PATTERNED_MAP && p->map.n > 0;
 
     p->word = word;

@@ -261,9 +261,9 @@ static const char *what_lacks(const struct object *o)
     return lacks;
 }
 
-/* What trace and inside must know of an object, looked up once: there may be
- * millions of parts, and of questions. */
-struct asked { const char *lacks; bool has_inside; };
+/* What is to be known of an object, looked up once: there may be millions of
+ * parts, and of questions. */
+struct asked { const char *lacks; bool has_inside; struct bounds extent; };
 
 static const struct asked *asked_of(struct lang *l, const struct object *o)
 {
@@ -273,6 +273,7 @@ static const struct asked *asked_of(struct lang *l, const struct object *o)
         struct asked *asked = arena_alloc(l->mem, sizeof *asked);
         asked->lacks = what_lacks(o);   /* what is behind a disc is inside of it: */
         asked->has_inside = (o->kind == OBJECT_SHAPE && o->ops->inside) || object_is_solid(o);
+        asked->extent = object_extent(o);
         *known = asked;
     }
     return *known;
@@ -324,7 +325,7 @@ static void call_extent(struct arguments *a, struct value *out)
         three(out, image && !low ? vec(image->width, image->height, 0) : vec(0, 0, 0));
         return;
     }
-    struct bounds b = object_extent(a->v[0].thing);
+    struct bounds b = asked_of(a->l, a->v[0].thing)->extent;
     vec3 p = low ? b.low : b.high;
     three(out, vec(limited(p.x), limited(p.y), limited(p.z)));
 }

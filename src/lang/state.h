@@ -38,7 +38,7 @@ struct lang {
     const struct limits *limits;
     struct scene *scene;                /* being built */
     struct object_trees trees;          /* of what trace and inside were asked about */
-    struct intern asked;                /* and what is known of it: call.c */
+    struct intern asked;                /* what is known of objects that were asked about: call.c */
     struct build *build;                /* lang-build's own: defaults, cameras; NULL at first */
     struct names names;
 

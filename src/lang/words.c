@@ -207,8 +207,13 @@ static void add_things(struct lang *l)
 {
     for (const struct shape_ops *const *s = shapes; *s; s++)
         add(l, (*s)->name, (*s)->help)->shape = *s;
-    for (const struct pattern_ops *const *p = patterns; *p; p++)
-        add(l, (*p)->name, (*p)->help)->pattern = *p;
+    for (const struct pattern_ops *const *p = patterns; *p; p++) {
+        struct word *w = add(l, (*p)->name, (*p)->help);
+        w->pattern = *p;
+        w->begins_pattern = true;
+    }
+    for (size_t i = 0; patterned_word(i); i++)
+        add(l, patterned_word(i), NULL)->begins_pattern = true;
     for (const struct block *b = blocks; b->word; b++)
         add(l, b->word, b->help)->block = b;
     add_special(l, special_shapes);

@@ -45,6 +45,7 @@ struct word {
     const struct constant *constant;        /* call.h */
     const struct shape_ops *shape;
     const struct pattern_ops *pattern;
+    bool begins_pattern;        /* a pattern's or what stands in its place: build.h */
     const struct block *block;              /* build.h: what its { } makes */
     const struct special_shape *special;    /* build.h: a shape that is more than a row */
     const struct field *field;              /* some block's field; only for the help */

@@ -1,7 +1,7 @@
 /* parts.c: trees over the parts of objects. */
 #include "scene/parts.h"
 
-enum { FEW = 12, PARTS_A_LEAF = 4 };    /* as few are asked quicker without a tree */
+enum { FEW = 4, PARTS_A_LEAF = 4 };    /* as few are asked quicker without a tree */
 
 static struct bounds face_box(const struct mesh *m, size_t face)
 {
