@@ -17,7 +17,6 @@ struct tables {
     double lattice[N_LATTICE];
     vec3 gradient[N_GRADIENT];
     uint16_t permutation[N_GRADIENT];
-    double random[NOISE_RANDOMS];
 };
 
 /* ---- tables ---- */
@@ -100,45 +99,55 @@ static void fill_gradients(vec3 gradient[], uint16_t permutation[])
     memcpy(permutation, p, N_GRADIENT * sizeof *p);
 }
 
-static void fill_random(double random[])
+static void *new_table(size_t size)
 {
-    uint32_t *out = malloc(NOISE_RANDOMS * sizeof *out);
+    void *t = malloc(size);
 
-    if (!out)
+    if (!t)
         abort();
-    random_twister(out, NOISE_RANDOMS);
-    for (int i = 0; i < NOISE_RANDOMS; i++)
-        random[i] = out[i] / 4294967296.0;
-    free(out);
+    return t;
 }
 
 static struct tables *tables_new(void)
 {
-    struct tables *t = malloc(sizeof *t);
+    struct tables *t = new_table(sizeof *t);
 
-    if (!t)
-        abort();
     fill_hash(t->hash);
     fill_lattice(t->lattice);
     fill_gradients(t->gradient, t->permutation);
-    fill_random(t->random);
     return t;
 }
 
-/* A constant that is worked out instead of written down: the same whoever
- * makes it, so two threads may race and one result is thrown away. */
-static const struct tables *tables(void)
+static double *random_new(void)
 {
-    static _Atomic(struct tables *) made;
-    struct tables *t = atomic_load_explicit(&made, memory_order_acquire);
+    uint32_t *out = new_table(NOISE_RANDOMS * sizeof *out);
+    double *random = new_table(NOISE_RANDOMS * sizeof *random);
 
-    if (LIKELY(t != NULL))
-        return t;
-    struct tables *mine = tables_new();
-    if (atomic_compare_exchange_strong(&made, &t, mine))
+    random_twister(out, NOISE_RANDOMS);
+    for (int i = 0; i < NOISE_RANDOMS; i++)
+        random[i] = out[i] / 4294967296.0;
+    free(out);
+    return random;
+}
+
+/* Constants that are worked out instead of written down: the same whoever
+ * makes them, so two threads may race and one result is thrown away. */
+static __attribute__((noinline, cold)) const void *keep_first(_Atomic(void *) *made, void *mine)
+{
+    void *others = NULL;
+
+    if (atomic_compare_exchange_strong(made, &others, mine))
         return mine;
     free(mine);
-    return t;
+    return others;
+}
+
+INLINE const struct tables *tables(void)
+{
+    static _Atomic(void *) made;
+    const void *t = atomic_load_explicit(&made, memory_order_acquire);
+
+    return LIKELY(t != NULL) ? t : keep_first(&made, tables_new());
 }
 
 /* ---- generators 1 and 2, and the vector ---- */
@@ -153,55 +162,49 @@ struct place { int index; double part; };
  * cell above, as in POV-Ray; its part is then a little negative. */
 INLINE struct place place_of(double c)
 {
-    double whole = c >= 0 ? trunc(c) : trunc(c - (1 - 1e-10));
+    double whole = trunc(c - (c >= 0 ? 0 : 1 - 1e-10));
     double wrapped = LIKELY(fabs(whole) < 0x1p31) ? whole
                      : isfinite(whole) ? fmod(whole, N_HASH) : 0;
 
     return (struct place) { (int)((int64_t)wrapped + 10000) & (N_HASH - 1), c - whole };
 }
 
-struct corners {
-    int key[8];                         /* into the lattice table */
-    double weight[8];
-    vec3 from[8];                       /* the point from the corner */
-};
+/* What a corner adds is the product of four numbers of the table and of four
+ * that are the same whichever part of the table is looked at: a half and the
+ * way from the corner, weighted.  So four are worked on at once, and added to
+ * each other when those of all corners are. */
+typedef double quad __attribute__((vector_size(4 * sizeof(double))));
 
-INLINE void corners_of(const struct tables *t, vec3 p, struct corners *c)
+INLINE double quad_sum(quad q) { return (q[0] + q[1]) + (q[2] + q[3]); }
+
+/* Of n parts of the table, 1 or 3. */
+INLINE void lattice_sums(const struct tables *t, vec3 p, int n, double sum[])
 {
     struct place x = place_of(p.x), y = place_of(p.y), z = place_of(p.z);
-    double wx[2], wy[2], wz[2];
-
-    wx[1] = smooth(x.part), wx[0] = 1 - wx[1];
-    wy[1] = smooth(y.part), wy[0] = 1 - wy[1];
-    wz[1] = smooth(z.part), wz[0] = 1 - wz[1];
-    for (int i = 0; i < 8; i++) {
-        int dx = i & 1, dy = i >> 1 & 1, dz = i >> 2;
-        int a = t->hash[t->hash[x.index + dx] ^ (y.index + dy)];
-        c->key[i] = t->hash[a ^ (z.index + dz)] & 255;
-        c->weight[i] = wx[dx] * wy[dy] * wz[dz];
-        c->from[i] = vec(x.part - dx, y.part - dy, z.part - dz);
-    }
-}
-
-INLINE double lattice_sum(const struct tables *t, const struct corners *c, int shift)
-{
-    double sum = 0;
+    const double sx = smooth(x.part), sy = smooth(y.part), sz = smooth(z.part);
+    const double wx[2] = { 1 - sx, sx }, wy[2] = { 1 - sy, sy }, wz[2] = { 1 - sz, sz };
+    quad all[3] = { { 0 } }, way = { 0.5, x.part, y.part, z.part };
 
     for (int i = 0; i < 8; i++) {
-        const double *r = t->lattice + c->key[i] + shift;
-        sum += c->weight[i] * (r[0] / 2 + r[1] * c->from[i].x + r[2] * c->from[i].y
-                               + r[3] * c->from[i].z);
+        int dx = i >> 2, dy = i >> 1 & 1, dz = i & 1;
+        int column = t->hash[t->hash[x.index + dx] ^ (y.index + dy)];
+        const double *row = t->lattice + (t->hash[column ^ (z.index + dz)] & 255);
+        quad factor = (way - (quad) { 0, dx, dy, dz }) * (wx[dx] * wy[dy] * wz[dz]), four;
+        for (int k = 0; k < n; k++) {
+            memcpy(&four, row + 4 * k, sizeof four);
+            all[k] += four * factor;
+        }
     }
-    return sum;
+    for (int k = 0; k < n; k++)
+        sum[k] = quad_sum(all[k]);
 }
 
 vec3 noise_vector(vec3 p)
 {
-    const struct tables *t = tables();
-    struct corners c;
+    double sum[3];
 
-    corners_of(t, p, &c);
-    return vec(lattice_sum(t, &c, 0), lattice_sum(t, &c, 4), lattice_sum(t, &c, 8));
+    lattice_sums(tables(), p, 3, sum);
+    return vec(sum[0], sum[1], sum[2]);
 }
 
 /* ---- generator 3 ---- */
@@ -237,12 +240,11 @@ static double gradient_noise(const struct tables *t, vec3 p)
 double noise_at(int generator, vec3 p)
 {
     const struct tables *t = tables();
-    struct corners c;
+    double sum;
 
     if (generator == 3)
         return clamp(0.5 * (1.59 * gradient_noise(t, p) + 0.985));
-    corners_of(t, p, &c);
-    double sum = lattice_sum(t, &c, 0);
+    lattice_sums(t, p, 1, &sum);
     return generator == 1 ? clamp(sum + 0.5) : clamp((sum + 1.05242) * 0.48985582);
 }
 
@@ -283,9 +285,11 @@ vec3 noise_vector_turbulence(vec3 p, int octaves, double omega, double lambda)
 
 /* ---- cells ---- */
 
-static int wrapped(double c)
+INLINE int wrapped(double c)
 {
-    return (int)((int64_t)(isfinite(c) ? fmod(c, N_HASH) : 0) & (N_HASH - 1));
+    double small = LIKELY(fabs(c) < 0x1p31) ? c : isfinite(c) ? fmod(c, N_HASH) : 0;
+
+    return (int)((int64_t)small & (N_HASH - 1));
 }
 
 int noise_hash(vec3 cell)
@@ -294,4 +298,10 @@ int noise_hash(vec3 cell)
     return h[h[h[wrapped(cell.x)] ^ wrapped(cell.y)] ^ wrapped(cell.z)];
 }
 
-double noise_random(int i) { return tables()->random[i]; }
+double noise_random(int i)
+{
+    static _Atomic(void *) made;
+    const double *t = atomic_load_explicit(&made, memory_order_acquire);
+
+    return (LIKELY(t != NULL) ? t : (const double *)keep_first(&made, random_new()))[i];
+}

@@ -27,29 +27,41 @@ static const struct field words[] = {
 };
 
 /* The points of a cell and of those around, without the corners of the outer
- * layer.  Neighbouring points ask for the same cell again and again. */
-enum { N_POINTS = 81 };
+ * layer.  Neighbouring points ask for the same cell again and again; few ask
+ * for the outer layer. */
+enum { N_INNER = 27, N_POINTS = 81 };
 
 struct crowd {
     vec3 cell;
+    int n;                              /* points so far: N_INNER or all */
     vec3 point[N_POINTS];
 };
 
-static void gather(struct crowd *c, vec3 cell)
+static void add_cell(struct crowd *c, int i, int j, int k)
 {
-    int n = 0;
+    vec3 at = vec_add(c->cell, vec(i, j, k));
+    int seed = noise_hash(at);
 
+    c->point[c->n++] = vec_add(at, vec(noise_random(seed), noise_random(seed + 1), noise_random(seed + 2)));
+}
+
+static void gather_inner(struct crowd *c, vec3 cell)
+{
     c->cell = cell;
+    c->n = 0;
+    for (int i = -1; i <= 1; i++)
+        for (int j = -1; j <= 1; j++)
+            for (int k = -1; k <= 1; k++)
+                add_cell(c, i, j, k);
+}
+
+static void gather_outer(struct crowd *c)
+{
     for (int i = -2; i <= 2; i++)
         for (int j = -2; j <= 2; j++)
-            for (int k = -2; k <= 2; k++) {
-                if ((i * i == 4) + (j * j == 4) + (k * k == 4) > 1)
-                    continue;
-                vec3 at = vec_add(cell, vec(i, j, k));
-                int seed = noise_hash(at);
-                c->point[n++] = vec_add(at, vec(noise_random(seed), noise_random(seed + 1),
-                                                noise_random(seed + 2)));
-            }
+            for (int k = -2; k <= 2; k++)
+                if ((i * i == 4) + (j * j == 4) + (k * k == 4) == 1)
+                    add_cell(c, i, j, k);
 }
 
 struct three { double d[3]; vec3 nearest; };    /* sums of powers, in increasing order */
@@ -65,19 +77,39 @@ INLINE void meet(struct three *t, double d, vec3 q)
     t->d[0] = d < t->d[0] ? d : t->d[0];
 }
 
-static struct three nearest_three(const struct crowd *c, vec3 p, double metric)
+static void meet_all(struct three *t, const struct crowd *c, int from, vec3 p, double metric)
 {
-    struct three t = { { INFINITY, INFINITY, INFINITY }, p };
-
-    for (int i = 0; i < N_POINTS; i++) {
+    for (int i = from; i < c->n; i++) {
         vec3 d = vec_sub(p, c->point[i]);
         if (metric == 2)
-            meet(&t, vec_dot(d, d), c->point[i]);
+            meet(t, vec_dot(d, d), c->point[i]);
         else if (metric == 1)
-            meet(&t, fabs(d.x) + fabs(d.y) + fabs(d.z), c->point[i]);
+            meet(t, fabs(d.x) + fabs(d.y) + fabs(d.z), c->point[i]);
         else
-            meet(&t, pow(fabs(d.x), metric) + pow(fabs(d.y), metric) + pow(fabs(d.z), metric),
+            meet(t, pow(fabs(d.x), metric) + pow(fabs(d.y), metric) + pow(fabs(d.z), metric),
                  c->point[i]);
+    }
+}
+
+/* How far the outer layer is at least: from 1 on, but for what BORDER and
+ * rounding take away. */
+static double outer_distance(vec3 p, vec3 cell)
+{
+    vec3 in = vec_sub(p, cell);
+    double low = fmin(in.x, fmin(in.y, in.z)), high = fmax(in.x, fmax(in.y, in.z));
+
+    return fmin(1 + low, 2 - high) - 1e-6;
+}
+
+static struct three nearest_three(struct crowd *c, vec3 p, double metric)
+{
+    struct three t = { { INFINITY, INFINITY, INFINITY }, p };
+    double outer = outer_distance(p, c->cell);
+
+    meet_all(&t, c, 0, p, metric);
+    if (c->n == N_INNER && !(metric > 0 && t.d[2] <= (metric == 2 ? outer * outer : pow(outer, metric)))) {
+        gather_outer(c);
+        meet_all(&t, c, N_INNER, p, metric);
     }
     return t;
 }
@@ -93,7 +125,7 @@ static double at(const struct crackle *s, struct crowd *c, vec3 p)
     double m = s->metric.x;
 
     if (cell.x != c->cell.x || cell.y != c->cell.y || cell.z != c->cell.z)
-        gather(c, cell);
+        gather_inner(c, cell);
     struct three t = nearest_three(c, p, m);
     if (s->is_solid)
         return noise_at(generator_of(&s->block), t.nearest);

@@ -13,10 +13,10 @@ static double dents(const void *self, vec3 p)
 static double granite(const void *self, vec3 p)
 {
     bool original = generator_of(self) == 1;
-    double sum = 0;
+    double sum = 0, scale = 1;
 
-    for (int i = 0; i < 6; i++) {
-        double scale = ldexp(1, i), v = noise(self, vec_scale(p, 4 * scale));
+    for (int i = 0; i < 6; i++, scale *= 2) {
+        double v = noise(self, vec_scale(p, 4 * scale));
         sum += (original ? fabs(0.5 - v) : fmin(0.5, fabs(1 - 2 * v))) / scale;
     }
     return sum;
@@ -25,10 +25,10 @@ static double granite(const void *self, vec3 p)
 static double wrinkles(const void *self, vec3 p)
 {
     bool original = generator_of(self) == 1;
-    double sum = 0;
+    double sum = 0, scale = 1;
 
-    for (int i = 0; i < 10; i++) {
-        double scale = ldexp(1, i), v = noise(self, vec_scale(p, scale));
+    for (int i = 0; i < 10; i++, scale *= 2) {
+        double v = noise(self, vec_scale(p, scale));
         sum += (original ? v : unit_clamp(2 * v - 0.5)) / scale;
     }
     return sum / 2;
