@@ -15,16 +15,19 @@ struct lanes_asked lanes_that_see(const struct packet *p, const uint8_t *mask, u
     return a;
 }
 
-/* The crossing at t, which is known to be there. */
-static struct hit leaf_hit_at(const struct leaf *l, struct ray ray, double t)
+/* The crossing at t.  False: numbers too large for the one way to see the solid that the
+ * other saw. */
+static bool leaf_hit_at(const struct leaf *l, struct ray ray, double t, struct hit *out)
 {
     struct hit hit[SHAPE_MOST_HITS];
-    int i = 0;
+    int n = l->ops->hits(l->shape, leaf_ray(l, ray), hit);
 
-    l->ops->hits(l->shape, leaf_ray(l, ray), hit);
-    while (hit[i].t != t)
-        i++;
-    return hit[i];
+    for (int i = 0; i < n; i++)
+        if (hit[i].t == t) {
+            *out = hit[i];
+            return true;
+        }
+    return false;
 }
 
 void search_for(struct search *s, const struct rays *r, int i, const uint8_t *mask,
@@ -59,20 +62,24 @@ static void found_put(struct found *f, int i, const struct meeting *m)
 
 /* ---- CSG of convex solids, many rays at once ---- */
 
-static void take_convex(const struct plan *p, struct volley *v, int i, uint32_t number, double t)
+/* False: it shall be looked for otherwise. */
+static bool take_convex(const struct plan *p, struct volley *v, int i, uint32_t number, double t)
 {
     struct found *f = &v->found;
     int64_t rank = rank_of(NO_INSTANCE, number);
+    struct hit h;
 
     if (t > f->t[i] || (t == f->t[i] && rank > f->rank[i]))
-        return;
-    struct hit h = leaf_hit_at(&p->leaf[number], packet_ray(&v->rays, i), t);
+        return true;
+    if (!leaf_hit_at(&p->leaf[number], packet_ray(&v->rays, i), t, &h))
+        return false;
     f->t[i] = t;
     f->slack[i] = h.slack;
     f->u[i] = (double)h.u;
     f->v[i] = (double)h.v;
     f->part[i] = h.part;
     f->rank[i] = rank;
+    return true;
 }
 
 /* Leaves in asked the rays for which this does not know. */
@@ -90,9 +97,9 @@ static void nearest_of_convex(const struct plan *p, struct scratch *s, const str
         for (int j = 0; j < w->n; j++) {
             if (w->part[j] == CONVEX_UNKNOWN)
                 continue;
-            lanes_drop(asked, w->number[j]);
-            if (w->part[j] != CONVEX_NOTHING)
-                take_convex(p, v, w->number[j], csg->part[w->part[j]].leaf, w->t[j]);
+            if (w->part[j] == CONVEX_NOTHING
+                || take_convex(p, v, w->number[j], csg->part[w->part[j]].leaf, w->t[j]))
+                lanes_drop(asked, w->number[j]);
         }
     }
 }
