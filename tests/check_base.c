@@ -289,9 +289,10 @@ END_TEST
 static void many(struct diag *d, struct loc at)
 {
     for (int i = 0; i < 100; i++)
-        diag_error(d, at, "no");
+        diag_error(d, at, "no %d", i);
     diag_warning(d, at, "neither");
     ck_assert_uint_eq(d->errors, 100);
+    ck_assert(d->full);
 }
 
 START_TEST(test_no_more_than_twenty_errors_are_shown)
@@ -300,7 +301,95 @@ START_TEST(test_no_more_than_twenty_errors_are_shown)
 
     for (const char *c = said(DIAG_SHORT, many); *c; c++)
         lines += *c == '\n';
-    ck_assert_int_eq(lines, 20);
+    ck_assert_int_eq(lines, 20 + 1);    /* and that there are more */
+}
+END_TEST
+
+static void warned(struct diag *d, struct loc at)
+{
+    for (int i = 0; i < 1000; i++)
+        diag_warning(d, at, "no %d", i);
+}
+
+START_TEST(test_no_more_than_a_hundred_warnings_are_shown)
+{
+    int lines = 0;
+
+    for (const char *c = said(DIAG_SHORT, warned); *c; c++)
+        lines += *c == '\n';
+    ck_assert_int_eq(lines, 100 + 1);
+}
+END_TEST
+
+static void again(struct diag *d, struct loc at)
+{
+    for (int i = 0; i < 30; i++) {
+        diag_error(d, at, "no");
+        diag_note(d, at, "here");
+        diag_warning(d, at, "careful");
+    }
+    ck_assert(!d->full);
+    diag_error(d, (struct loc) { at.source, at.begin + 1, at.end }, "no");
+    diag_remark(d, at, "hi");
+    diag_remark(d, at, "hi");
+    for (int i = 0; i < 2000; i++)
+        diag_error(d, at, "no");
+    ck_assert(d->full);                 /* nobody waits for a loop to make no more of them */
+}
+
+START_TEST(test_the_same_at_the_same_place_is_said_once_but_for_remarks)
+{
+    ck_assert_str_eq(said(DIAG_SHORT, again),
+                     "table.pov:2:12: error: no\ntable.pov:2:12: note: here\n"
+                     "table.pov:2:12: warning: careful\ntable.pov:2:13: error: no\n"
+                     "table.pov:2:12: warning: hi\ntable.pov:2:12: warning: hi\n");
+}
+END_TEST
+
+/* UTF-8, Latin-1, a tab, a NUL, and control characters of both kinds. */
+static char *told_of(enum diag_style style, const char *line, size_t size, uint32_t begin)
+{
+    static char text[4096];
+    struct sources s;
+    struct diag d;
+    FILE *f = fmemopen(text, sizeof text, "w");
+
+    sources_init(&s, &mem);
+    uint32_t n = source_add(&s, "a.rt", line, size, (struct loc) { 0, 0, 0 });
+    diag_init(&d, &s, f);
+    d.style = style;
+    diag_error(&d, (struct loc) { n, begin, begin + 3 }, "no '%.3s'", line + begin);
+    diag_end(&d);
+    fclose(f);
+    return text;
+}
+
+START_TEST(test_carets_count_characters_and_lines_are_utf8)
+{
+    static const char line[] = "\t\xc3\xa4\xe4\0\x1b\x9b\xc2\x9b*Q\xc3\xa4*\0";
+
+    ck_assert_str_eq(told_of(DIAG_FULL, line, sizeof line - 2, 10),
+                     "a.rt:1:9: error: no 'Q\xc3\xa4'\n"
+                     "   \xc3\xa4\xc3\xa4????*Q\xc3\xa4*\n"
+                     "          ^~\n");
+    ck_assert_str_eq(told_of(DIAG_JSON, line, sizeof line - 2, 10),
+                     "{\"severity\":\"error\",\"file\":\"a.rt\",\"line\":1,\"column\":9,"
+                     "\"endLine\":1,\"endColumn\":11,\"message\":\"no 'Q\xc3\xa4'\"}\n");
+}
+END_TEST
+
+START_TEST(test_of_a_long_line_whole_characters_are_shown)
+{
+    char line[1002];
+
+    for (int i = 0; i < 1000; i += 2)
+        memcpy(line + i, "\xc3\xa4", 2);
+    line[1000] = line[1001] = '\0';
+    const char *shown = strchr(told_of(DIAG_FULL, line, 1000, 501 - 1), '\n') + 3;
+    const char *end = strchr(shown, '\n');
+    ck_assert(end - shown >= 198 && end - shown <= 202 && (end - shown) % 2 == 0);
+    for (; shown < end; shown += 2)
+        ck_assert(memcmp(shown, "\xc3\xa4", 2) == 0);
 }
 END_TEST
 
@@ -341,6 +430,10 @@ int main(void)
     tcase_add_test(t, test_a_message_has_place_line_and_caret);
     tcase_add_test(t, test_json_is_one_object_a_message_with_its_notes);
     tcase_add_test(t, test_no_more_than_twenty_errors_are_shown);
+    tcase_add_test(t, test_no_more_than_a_hundred_warnings_are_shown);
+    tcase_add_test(t, test_the_same_at_the_same_place_is_said_once_but_for_remarks);
+    tcase_add_test(t, test_carets_count_characters_and_lines_are_utf8);
+    tcase_add_test(t, test_of_a_long_line_whole_characters_are_shown);
     tcase_add_test(t, test_a_missing_feature_is_named_once);
     suite_add_tcase(s, t);
     SRunner *r = srunner_create(s);

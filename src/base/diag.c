@@ -5,7 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDEST_LINE = 200 };
+enum {
+    WIDEST_LINE = 200,
+    MOST_TEXT = 1024,
+    MOST_REPEATS = 1000,        /* of errors: a loop that makes the same ones over and over ends */
+};
+
+struct said { struct loc at; uint32_t hash; };
 
 static const struct { const char *name, *colour; } severities[] = {
     [SEVERITY_NOTE] = { "note", "\033[1;36m" },
@@ -16,7 +22,7 @@ static const char bold[] = "\033[1m", green[] = "\033[1;32m", plain[] = "\033[0m
 
 void diag_init(struct diag *d, struct sources *sources, FILE *out)
 {
-    *d = (struct diag) { .sources = sources, .out = out, .most_errors = 20 };
+    *d = (struct diag) { .sources = sources, .out = out, .most_errors = 20, .most_warnings = 100 };
 }
 
 struct loc loc_join(struct loc first, struct loc last)
@@ -46,6 +52,28 @@ static size_t utf8_length(const unsigned char *text, size_t left)
     return n;
 }
 
+/* Bytes that are no character count as one, as they are taken as Latin-1. */
+static size_t characters(const char *text, size_t length)
+{
+    size_t count = 0;
+
+    for (size_t i = 0, n; i < length; i += n ? n : 1, count++)
+        n = utf8_length((const unsigned char *)text + i, length - i);
+    return count;
+}
+
+/* A place in its line; columns count characters. */
+static struct position position(const struct diag *d, uint32_t source, uint32_t offset)
+{
+    struct position p = source_position(d->sources, source, offset);
+    size_t length, before = p.column ? p.column - 1 : 0;
+    const char *line = source_line(d->sources, source, p.line, &length);
+
+    if (p.column)
+        p.column = 1 + (unsigned)characters(line, before < length ? before : length);
+    return p;
+}
+
 /* Bytes that are not UTF-8 are taken as Latin-1, as old scenes have them. */
 static void json_text(FILE *out, const char *text, size_t length)
 {
@@ -68,8 +96,8 @@ static void json_text(FILE *out, const char *text, size_t length)
 static void json_message(struct diag *d, enum severity severity, struct loc at, const char *text)
 {
     const struct source *src = source_at(d->sources, at.source);
-    struct position from = source_position(d->sources, at.source, at.begin);
-    struct position to = source_position(d->sources, at.source, at.end);
+    struct position from = position(d, at.source, at.begin);
+    struct position to = position(d, at.source, at.end);
 
     if (severity == SEVERITY_NOTE) {
         fputs(d->open_json == 1 ? ",\"notes\":[" : ",", d->out);
@@ -99,35 +127,58 @@ void diag_end(struct diag *d)
     fflush(d->out);
 }
 
-/* Control characters and bytes that are no text would confuse a terminal. */
-static void print_line(FILE *out, const char *line, size_t length)
+/* A scene's own words must not steer the terminal, and are shown as UTF-8. */
+static void put_text(FILE *out, const char *text, size_t length, bool lines)
 {
-    for (size_t i = 0; i < length; i++) {
-        unsigned char c = (unsigned char)line[i];
-        fputc(c == '\t' ? ' ' : c < 0x20 || c == 0x7f ? '?' : c, out);
+    for (size_t i = 0, n; i < length; i += n ? n : 1) {
+        const unsigned char *c = (const unsigned char *)text + i;
+        n = utf8_length(c, length - i);
+        bool control = *c < 0x20 || *c == 0x7f || (n == 0 && *c < 0xa0) || (*c == 0xc2 && c[1] < 0xa0);
+        if (*c == '\t')
+            fputc(' ', out);
+        else if (control && !(lines && *c == '\n'))
+            fputc('?', out);
+        else if (n == 0)
+            fprintf(out, "%c%c", 0xc0 | *c >> 6, 0x80 | (*c & 0x3f));
+        else
+            fwrite(c, 1, n, out);
     }
-    fputc('\n', out);
+}
+
+static bool goes_on(char c)
+{
+    return ((unsigned char)c & 0xc0) == 0x80;
+}
+
+/* The part of a line around a place that is shown: whole characters. */
+static void choose_part(const char *line, size_t caret, size_t *skip, size_t *length)
+{
+    *skip = caret > WIDEST_LINE / 2 ? caret - WIDEST_LINE / 2 : 0;
+    while (*skip > 0 && caret - *skip < WIDEST_LINE && goes_on(line[*skip]))
+        --*skip;
+    if (*length - *skip <= WIDEST_LINE)
+        return;
+    *length = *skip + WIDEST_LINE;
+    while (*length > caret && goes_on(line[*length]))
+        --*length;
 }
 
 static void show_source(struct diag *d, struct loc at)
 {
     struct position from = source_position(d->sources, at.source, at.begin);
-    size_t length, skip = 0;
+    size_t length, skip;
     const char *line = source_line(d->sources, at.source, from.line, &length);
     size_t caret = from.column - 1, wide = at.end > at.begin ? at.end - at.begin : 1;
 
     if (caret > length)
         caret = length;
-    if (caret > WIDEST_LINE / 2)
-        skip = caret - WIDEST_LINE / 2;
-    if (length - skip > WIDEST_LINE)
-        length = skip + WIDEST_LINE;
+    choose_part(line, caret, &skip, &length);
     if (caret + wide > length)
-        wide = length > caret ? length - caret : 1;
+        wide = length > caret ? length - caret : 0;
     fputs("  ", d->out);
-    print_line(d->out, line + skip, length - skip);
-    fprintf(d->out, "  %*s%s^", (int)(caret - skip), "", paint(d, green));
-    for (size_t i = 1; i < wide; i++)
+    put_text(d->out, line + skip, length - skip, false);
+    fprintf(d->out, "\n  %*s%s^", (int)characters(line + skip, caret - skip), "", paint(d, green));
+    for (size_t i = 1, n = characters(line + caret, wide); i < n; i++)
         fputc('~', d->out);
     fprintf(d->out, "%s\n", paint(d, plain));
 }
@@ -137,37 +188,50 @@ static void text_message(struct diag *d, enum severity severity, struct loc at, 
     const struct source *src = source_at(d->sources, at.source);
 
     if (src) {
-        struct position p = source_position(d->sources, at.source, at.begin);
-        fprintf(d->out, "%s%s:%u:%u:%s ", paint(d, bold), src->path, p.line, p.column,
-                paint(d, plain));
+        struct position p = position(d, at.source, at.begin);
+        fputs(paint(d, bold), d->out);
+        put_text(d->out, src->path, strlen(src->path), false);
+        fprintf(d->out, ":%u:%u:%s ", p.line, p.column, paint(d, plain));
     } else
         fputs("rtc: ", d->out);
-    fprintf(d->out, "%s%s:%s %s\n", paint(d, severities[severity].colour),
-            severities[severity].name, paint(d, plain), text);
+    fprintf(d->out, "%s%s:%s ", paint(d, severities[severity].colour), severities[severity].name,
+            paint(d, plain));
+    put_text(d->out, text, strlen(text), true);
+    fputc('\n', d->out);
     if (src && d->style == DIAG_FULL)
         show_source(d, at);
 }
 
-/* A scene's own words must not steer the terminal. */
-static void tame(char *text)
+static void message(struct diag *d, enum severity severity, struct loc at, const char *text)
 {
-    for (; *text; text++)
-        if (((unsigned char)*text < 0x20 && *text != '\n' && *text != '\t') || *text == 0x7f)
-            *text = '?';
-}
-
-static void message(struct diag *d, enum severity severity, struct loc at, const char *format,
-                    va_list args)
-{
-    char text[1024];
-
-    vsnprintf(text, sizeof text, format, args);
-    if (d->style != DIAG_JSON)
-        tame(text);
     if (d->style == DIAG_JSON)
         json_message(d, severity, at, text);
     else
         text_message(d, severity, at, text);
+}
+
+static uint32_t hash_of(const char *text)
+{
+    uint32_t hash = 2166136261u;
+
+    for (; *text; text++)
+        hash = (hash ^ (unsigned char)*text) * 16777619u;
+    return hash;
+}
+
+/* Was the same shown for the same place? */
+static bool is_said(const struct diag *d, struct loc at, uint32_t hash)
+{
+    for (size_t i = 0; i < d->n_said; i++)
+        if (d->said[i].hash == hash && memcmp(&d->said[i].at, &at, sizeof at) == 0)
+            return true;
+    return false;
+}
+
+static void remember(struct diag *d, struct loc at, uint32_t hash)
+{
+    d->said = arena_grow(d->sources->mem, d->said, d->n_said, &d->room_said, sizeof *d->said);
+    d->said[d->n_said++] = (struct said) { at, hash };
 }
 
 static void add_context(struct diag *d)
@@ -180,43 +244,88 @@ static void add_context(struct diag *d)
     d->context = context;
 }
 
+/* Is there room for one more? */
+static bool may_show(struct diag *d, unsigned *shown, unsigned most, const char *what)
+{
+    if (++*shown == most + 1 && !d->quiet)
+        message(d, SEVERITY_NOTE, (struct loc) { 0 }, what);
+    return *shown <= most;
+}
+
+static bool shows_error(struct diag *d, struct loc at, uint32_t hash)
+{
+    d->full = d->full || d->errors > MOST_REPEATS;
+    if (d->full || is_said(d, at, hash))
+        return false;
+    d->full = !may_show(d, &d->shown_errors, d->most_errors, "there are more errors: they are not shown");
+    return !d->full;
+}
+
+static bool shows_warning(struct diag *d, struct loc at, uint32_t hash)
+{
+    return !d->quiet && !d->full && !is_said(d, at, hash)
+        && may_show(d, &d->shown_warnings, d->most_warnings, "there are more warnings: they are not shown");
+}
+
+static void show(struct diag *d, enum severity severity, struct loc at, const char *text)
+{
+    message(d, severity, at, text);
+    add_context(d);
+}
+
 void diag_error(struct diag *d, struct loc at, const char *format, ...)
 {
+    char text[MOST_TEXT];
     va_list args;
 
     d->errors++;
-    d->muted = d->full = d->errors > d->most_errors;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    uint32_t hash = hash_of(text);
+    d->muted = !shows_error(d, at, hash);
     if (d->muted)
         return;
-    va_start(args, format);
-    message(d, SEVERITY_ERROR, at, format, args);
-    va_end(args);
-    add_context(d);
+    remember(d, at, hash);
+    show(d, SEVERITY_ERROR, at, text);
 }
 
 void diag_warning(struct diag *d, struct loc at, const char *format, ...)
 {
+    char text[MOST_TEXT];
     va_list args;
 
     d->warnings++;
-    d->muted = d->quiet || d->full;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    uint32_t hash = hash_of(text);
+    d->muted = !shows_warning(d, at, hash);
     if (d->muted)
         return;
-    va_start(args, format);
-    message(d, SEVERITY_WARNING, at, format, args);
-    va_end(args);
-    add_context(d);
+    remember(d, at, hash);
+    show(d, SEVERITY_WARNING, at, text);
+}
+
+void diag_remark(struct diag *d, struct loc at, const char *text)
+{
+    d->warnings++;
+    d->muted = d->quiet || d->full;
+    if (!d->muted)
+        show(d, SEVERITY_WARNING, at, text);
 }
 
 void diag_note(struct diag *d, struct loc at, const char *format, ...)
 {
+    char text[MOST_TEXT];
     va_list args;
 
     if (d->muted)
         return;
     va_start(args, format);
-    message(d, SEVERITY_NOTE, at, format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    message(d, SEVERITY_NOTE, at, text);
 }
 
 /* Scenes use few unsupported features: a plain list of them will do. */

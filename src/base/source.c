@@ -153,7 +153,7 @@ const char *source_line(const struct sources *s, uint32_t number, unsigned line,
         return "";
     const char *begin = src->text + src->line[line - 1];
     const char *end = src->text + src->size;
-    while (begin + *length < end && !strchr("\r\n", begin[*length]))
+    while (begin + *length < end && begin[*length] != '\r' && begin[*length] != '\n')
         ++*length;
     return begin;
 }

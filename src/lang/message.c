@@ -102,7 +102,7 @@ void message_say(struct lang *l, const struct ast *node)
         return;                 /* what the scene would say now may be wrong */
     else if (node->op == 'w') {
         trim(text);
-        diag_warning(l->diag, node->at, "%s", text);
+        diag_remark(l->diag, node->at, text);
     } else
         add(l, &l->debug_line, &l->n_debug, &l->room_debug, text, l->setup.debug);
 }
