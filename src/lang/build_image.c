@@ -100,11 +100,11 @@ static float in_16_bits(double v)
     return (float)(floor(fmin(fmax(v, 0), 1) * 65535) / 65535);
 }
 
-static colour drawn_pixel(const struct function *f, const double at[3])
+static colour drawn_pixel(struct lang *l, const struct function *f, const double at[3])
 {
     double v[MOST_COMPONENTS];
 
-    function_run(f, at, v, NULL);
+    function_run_counted(l, f->at, f, at, v);
     float g = in_16_bits(v[0]);
     if (function_components(f) == 1)
         return (colour) { g, g, g, 0, 0 };
@@ -121,10 +121,10 @@ static const struct image *draw(struct lang *l, const struct drawn *d)
     to->width = d->width;
     to->height = d->height;
     to->pixel = arena_array(l->scene_mem, (size_t)d->width * d->height, sizeof *to->pixel);
-    for (unsigned y = 0; y < d->height; y++)
-        for (unsigned x = 0; x < d->width; x++) {
+    for (unsigned y = 0; y < d->height && !l->stopped; y++)
+        for (unsigned x = 0; x < d->width && !l->stopped; x++) {
             double at[3] = { x * step_x, y * step_y, 0 };
-            colour c = drawn_pixel(d->function, at);
+            colour c = drawn_pixel(l, d->function, at);
             to->pixel[(size_t)y * d->width + x] = c;
             to->has_transparency |= c.t > 0;
         }
@@ -140,6 +140,8 @@ static void read_source(struct reader *r, struct source_file *f)
         f->type = reader_next(r).word->text;
     f->at = reader_at(r);
     f->name = reader_text(r, false, "picture file");
+    if (!*f->name && !r->failed)
+        diag_error(r->lang->diag, f->at, "a picture's name cannot be empty");
     if (reader_takes_word(r, "gamma"))
         f->gamma = reader_takes_word(r, "srgb") ? -1 : reader_number(r, false, "gamma");
     if (reader_takes_word(r, "premultiplied"))

@@ -161,9 +161,10 @@ void function_run(const struct function *f, const double *arguments, double *out
         *left = now.left;
 }
 
-void function_many(const struct function *f, int n, const double *const *arguments, double *out)
+void function_many(const struct function *f, int n, const double *const *arguments, double *out,
+                   double *left)
 {
-    struct run now = { false, most_rounds };
+    struct run now = { false, left ? *left : most_rounds };
 
     if (f->kind != FUNCTION_CODE) {
         double argument[MOST_PARAMETERS] = { 0 }, component[MOST_COMPONENTS];
@@ -173,6 +174,8 @@ void function_many(const struct function *f, int n, const double *const *argumen
             run_one(f, argument, component, &now);
             out[i] = component[0];
         }
+        if (left)
+            *left = now.left;
         return;
     }
     double reg[(size_t)f->n_register * LANES];
@@ -183,12 +186,14 @@ void function_many(const struct function *f, int n, const double *const *argumen
         run(&(struct machine) { reg, LANES, lanes, &now }, f->code, f->n_code);
         memcpy(out + first, reg + f->n_parameter * LANES, (size_t)lanes * sizeof *reg);
     }
+    if (left)
+        *left = now.left;
 }
 
 void function_values(const void *self, int n, const double *x, const double *y, const double *z,
                      double *value)
 {
-    function_many(self, n, (const double *[]) { x, y, z }, value);
+    function_many(self, n, (const double *[]) { x, y, z }, value, NULL);
 }
 
 double function_at(const struct function *f, const double *arguments)

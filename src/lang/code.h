@@ -58,8 +58,10 @@ enum { MOST_PARAMETERS = 55 };
 /* Components at one point, while the scene is read.  left: rounds of sums and calls that it
  * may take, below 0 if it took more; NULL: the usual number. */
 void function_run(const struct function *f, const double *arguments, double *out, double *left);
-/* A float function at n points: arguments[i] are the n values of parameter i.  Threads may share f. */
-void function_many(const struct function *f, int n, const double *const *arguments, double *out);
+/* A float function at n points: arguments[i] are the n values of parameter i.  Threads may share
+ * f.  left: as above. */
+void function_many(const struct function *f, int n, const double *const *arguments, double *out,
+                   double *left);
 
 /* A function of x, y, z for the rest of the program: self is the function. */
 void function_values(const void *self, int n, const double *x, const double *y, const double *z,

@@ -32,6 +32,7 @@ struct frame {
 struct frame *frame_push(struct lang *l, enum frame_kind kind, const struct ast *list,
                          const struct ast *node);
 /* At the end of its list: a loop goes on (true), anything else is popped. */
+bool round_counts(struct lang *l, struct loc at);       /* false: --max-iterations, which was said */
 bool frame_end(struct lang *l);
 void frame_pop(struct lang *l);
 bool frame_break(struct reader *r, const struct ast *node);

@@ -725,6 +725,19 @@ bool function_make(struct lang *l, const struct ast *node, struct value *out)
     return !c.failed;
 }
 
+bool function_run_counted(struct lang *l, struct loc at, const struct function *f,
+                          const double *arguments, double *out)
+{
+    double left = l->limits->iterations - l->rounds, all = left;
+
+    function_run(f, arguments, out, &left);
+    l->rounds += all - left;
+    if (left < 0)
+        lang_limit(l, at, "the loops and sums of this scene have run more than %.0f times; "
+                   "--max-iterations=N would let them go on", l->limits->iterations);
+    return left >= 0;
+}
+
 void function_call(struct lang *l, const struct ast *node, const struct function *f,
                    struct value *out)
 {
@@ -757,12 +770,7 @@ void function_call(struct lang *l, const struct ast *node, const struct function
         }
         argument[i] = v->v[0];
     }
-    double left = l->limits->iterations - l->rounds, all = left;
-    function_run(f, argument, result, &left);
-    l->rounds += all - left;
-    if (left < 0)
-        lang_limit(l, node->at, "the loops and sums of this scene have run more than %.0f times; "
-                   "--max-iterations=N would let them go on", l->limits->iterations);
+    function_run_counted(l, node->at, f, argument, result);
     *out = value_vector(f->n_component, result);
 }
 

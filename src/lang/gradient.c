@@ -10,6 +10,7 @@
 
 enum { SIDE = 12, FOUR = 4 };           /* cells along an axis; samples at each */
 
+static const double most_rounds = 1e6;  /* of sums and calls: only a warning comes of it */
 static const double step = 1e-6;        /* of the box's side: far above rounding, far below detail */
 
 struct samples { double x[SIDE * FOUR], y[SIDE * FOUR], z[SIDE * FOUR], value[SIDE * FOUR]; };
@@ -37,12 +38,12 @@ static double slope(const double *value, vec3 side)
 double gradient_steepest(const struct function *f, vec3 low, vec3 high, vec3 *where)
 {
     vec3 side = vec_sub(high, low);
-    double most = 0;
+    double most = 0, left = most_rounds;
 
-    for (int row = 0; row < SIDE * SIDE; row++) {
+    for (int row = 0; row < SIDE * SIDE && left > 0; row++) {
         struct samples s;
         place(&s, low, side, row % SIDE, row / SIDE);
-        function_many(f, SIDE * FOUR, (const double *[]) { s.x, s.y, s.z }, s.value);
+        function_many(f, SIDE * FOUR, (const double *[]) { s.x, s.y, s.z }, s.value, &left);
         for (int i = 0; i < SIDE * FOUR; i += FOUR) {
             double found = slope(s.value + i, side);
             if (isfinite(found) && found > most) {

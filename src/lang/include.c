@@ -94,6 +94,8 @@ void include(struct lang *l, const struct ast *node)
         l->stopped = true;
         return;
     }
+    if (!round_counts(l, node->at))
+        return;
     const char *path = lang_find_file(l, node->right->at, name.bytes, extensions, "file");
     const struct library_file *f = path ? parse_file(l, path, node->at) : NULL;
     if (!f) {                   /* all that it declares would be the next mistakes */
