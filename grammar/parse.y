@@ -37,6 +37,7 @@ int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
 static void yyerror(YYLTYPE *at, struct parse *p, const char *message);
 static struct ast *pending(struct parse *p);
 static struct ast *take(struct ast *list, struct parse *p);
+static struct ast *no_macro(struct parse *p, struct loc at, const struct name *name);
 static bool statement(struct parse *p, struct ast *item, int ahead);
 static struct ast *word_node(struct parse *p, struct loc at, struct name *w);
 static struct ast *block_node(struct parse *p, struct loc at, struct name *w,
@@ -244,6 +245,9 @@ quiet: declare
                                                               message_op($1->word)), $2); }
     | FOPEN NAME postfix word       { $$ = with_name(ast_new(p, AST_FOPEN, @1), $2);
                                       $$->word = $4->word; $$->args = of_one(p, $3); }
+    | FOPEN NAME postfix NAME       { $$ = ast_error(p, @4, (struct loc) { 0 }, "expected read, write "
+                                                     "or append, found '%s'", $4->text);
+                                      ast_more(p, $$)->meant = $2; }
     | FCLOSE any_word               { $$ = with_name(ast_new(p, AST_FCLOSE, @1), $2); }
     | READ args                     { $$ = with_args(ast_new(p, AST_READ, @1), $2); }
     | WRITE args                    { $$ = with_args(ast_new(p, AST_WRITE, @1), $2); }
@@ -324,11 +328,11 @@ branches: IF condition items        { $$ = of_one(p, branch(p, @1, 'i', $2, $3))
 branch_rest: ELSEIF condition items { $$ = branch(p, @1, 'i', $2, $3); }
     | ELSE items                    { $$ = branch(p, @1, 'i', NULL, $2); }
     ;
-target_in_parens: '(' target close_paren    { $$ = of_one(p, $2); }
-    | '(' no_name close_paren       { $$ = of_one(p, word_node(p, @2, $2)); }
-    | '(' NUMBER close_paren        { $$ = of_one(p, ast_new(p, AST_NUMBER, @2)); }
-    | '(' CONSTANTS close_paren     { $$ = of_one(p, $2); }
-    | '(' TEXT close_paren          { $$ = of_one(p, $2); }
+target_in_parens: '(' target close_paren    { $$ = take(of_one(p, $2), p); }
+    | '(' no_name close_paren       { $$ = take(of_one(p, word_node(p, @2, $2)), p); }
+    | '(' NUMBER close_paren        { $$ = take(of_one(p, ast_new(p, AST_NUMBER, @2)), p); }
+    | '(' CONSTANTS close_paren     { $$ = take(of_one(p, $2), p); }
+    | '(' TEXT close_paren          { $$ = take(of_one(p, $2), p); }
     | error                         { $$ = take(ast_list(p, @1), p); }
     ;
 no_name: word | CONSTANT | FUNCTION | ARRAY;
@@ -354,7 +358,7 @@ switch_item: item
 macro_head: NAME '(' parameters close_paren
                                     { $$ = with_name(ast_new(p, AST_MACRO, @1), $1);
                                       $$->params = $3; $$->args = pending(p); }
-    | any_word error                { $$ = ast_new(p, AST_MACRO, @1); $$->args = pending(p); }
+    | any_word error                { $$ = ast_new(p, AST_MACRO, @1); $$->args = no_macro(p, @1, $1); }
     | error                         { $$ = ast_new(p, AST_MACRO, @1); $$->args = pending(p); }
     ;
 parameters: %empty                  { $$ = ast_list(p, @$); }
@@ -374,6 +378,15 @@ static struct ast *pending(struct parse *p)
 
     p->pending = NULL;
     return message;
+}
+
+/* #macro sphere(R): whatever was wrong behind the word, the word comes first. */
+static struct ast *no_macro(struct parse *p, struct loc at, const struct name *name)
+{
+    struct ast *said = pending(p);
+
+    return name->word ? ast_error(p, at, (struct loc) { 0 }, "'%s' is a reserved word: it cannot be "
+                                  "declared", name->text) : said;
 }
 
 static struct ast *take(struct ast *list, struct parse *p)
@@ -486,22 +499,71 @@ static struct name *name_before(struct parse *p, struct loc *at)
     return name;
 }
 
+/* #for (I = 0; ... */
+static bool is_for_head(const struct parse *p, struct loc at)
+{
+    const char *text = p->text + at.begin;
+
+    while (text > p->text && (text[-1] == ' ' || text[-1] == '('))
+        text--;
+    return text - p->text > 4 && strncmp(text - 3, "for", 3) == 0;
+}
+
 /* `R = 1;` as in other languages. */
 static struct ast *assignment(struct parse *p, struct loc at)
 {
+    struct loc sign = at;
     struct name *name = name_before(p, &at);
     struct ast *error;
 
+    if (name && is_for_head(p, at))
+        return ast_error(p, sign, (struct loc) { 0 }, "unexpected '='; #for takes a name, a start, "
+                         "an end and perhaps a step: #for (%s, 0, 9)", name->text);
     if (!name)
         return ast_error(p, at, (struct loc) { 0 },
                          "unexpected '='; a name gets its value with #declare NAME = VALUE;");
     error = ast_error(p, at, (struct loc) { 0 }, "'%s' gets its value with a directive: "
                       "#declare %s = VALUE;", name->text, name->text);
-    error->meant = name;
+    ast_more(p, error)->meant = name;
     return error;
 }
 
+/* What other languages write twice, ours writes once. */
+static struct ast *doubled(struct parse *p, struct loc at, char sign)
+{
+    const char *means = sign == '=' ? "equality" : sign == '&' ? "'and'" : "'or'";
+
+    return ast_error(p, at, (struct loc) { 0 }, "unexpected '%c'; %s is a single '%c'", sign, means,
+                     sign);
+}
+
+static bool is_doubled(const struct parse *p, struct loc at)
+{
+    const char *text = p->text + at.begin;
+
+    return strchr("=&|", *text) && at.begin > 0 && text[-1] == *text;
+}
+
+/* The name behind #declare or #local is known from now on. */
+static void mean_declared(struct parse *p)
+{
+    if (p->declaring.source)
+        ast_more(p, p->pending)->meant = name_behind(p, p->declaring.end);
+    p->declaring.source = 0;
+}
+
 enum { MOST_EXPECTED = 3 };
+
+/* The tokens that stand for what the user forgot are none that could be written. */
+static int without_missing(yysymbol_kind_t *kind, int n)
+{
+    int kept = 0;
+
+    for (int i = 0; i < n; i++)
+        if (kind[i] < YYSYMBOL_MISSING_BRACE || kind[i] > YYSYMBOL_MISSING_END)
+            kind[kept++] = kind[i];
+    return kept;
+}
 
 /* "unexpected '='; expected number or name" when few things would do. */
 static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
@@ -509,28 +571,31 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     yysymbol_kind_t expected[MOST_EXPECTED + 2];
     struct loc at = *yypcontext_location(context);
     yysymbol_kind_t token = yypcontext_token(context);
-    int n = yypcontext_expected_tokens(context, expected, MOST_EXPECTED + 1);
+    int n = yypcontext_expected_tokens(context, expected, MOST_EXPECTED + 2);
     char text[200];
     size_t used = 0;
 
     if (p->deep || token == YYSYMBOL_BAD)       /* which has a message of its own */
         return 0;
+    n = without_missing(expected, n < MOST_EXPECTED + 2 ? n : MOST_EXPECTED + 2);
     for (int i = 0; i < n && n <= MOST_EXPECTED && used < sizeof text; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s %s",
                                  i ? i + 1 == n ? " or" : "," : "; expected",
                                  yysymbol_name(expected[i]));
-    const char *source = source_at(p->lang->sources, at.source)->text + at.begin;
+    scanner_uncover(p);
+    const char *source = p->text + at.begin;
     int length = (int)(at.end - at.begin);
     if (token == YYSYMBOL_YYEOF)
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected end of the text%s",
                                used ? text : "");
-    else if (*source == '=' && at.begin > 0 && source[-1] == '=')
-        p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '='; equality is a single '='");
-    else if (*source == '=')
+    else if (is_doubled(p, at))
+        p->pending = doubled(p, at, *source);
+    else if (*source == '=' && !p->declaring.source)
         p->pending = assignment(p, at);
     else
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '%.*s'%s",
                                length < 40 ? length : 40, source, used ? text : "");
+    mean_declared(p);
     return 0;
 }
 

@@ -6,6 +6,7 @@
 
 #include "lang/eval.h"
 #include "lang/frame.h"
+#include "lang/guess.h"
 #include "lang/scope.h"
 
 static const double slack = 1e-10;      /* added before a subscript is truncated, as POV-Ray does */
@@ -86,7 +87,7 @@ static struct value *variable_of(struct lang *l, const struct ast *node)
 
     if (b)
         return b->value;
-    diag_error(l->diag, node->at, "undeclared name '%s'", node->name->text);
+    say_undeclared(l, node->at, node->name->text, NULL);
     return NULL;
 }
 

@@ -303,6 +303,18 @@ static const struct { const char *name; uint8_t index; } members[] = {
     { "gray", AST_GRAY }, { "grey", AST_GREY },
 };
 
+static bool ends_file_name(const char *name)
+{
+    static const char *const endings[] = {
+        "inc", "pov", "rt", "png", "jpg", "jpeg", "gif", "tga", "tiff", "tif", "ttf", "txt", "df3", NULL,
+    };
+
+    for (const char *const *e = endings; *e; e++)
+        if (strcmp(name, *e) == 0)
+            return true;
+    return false;
+}
+
 struct ast *ast_member(struct parse *p, struct loc at, struct ast *left, const char *name)
 {
     struct ast *node = ast_new(p, AST_MEMBER, at);
@@ -314,7 +326,17 @@ struct ast *ast_member(struct parse *p, struct loc at, struct ast *left, const c
             node->index = members[i].index;
             return measured(p, node);
         }
+    if (left->kind == AST_NAME && ends_file_name(name))
+        return ast_error(p, at, (struct loc) { 0 }, "a file's name needs quotes: \"%s.%s\"",
+                         left->name->text, name);
     return ast_error(p, at, (struct loc) { 0 }, "there is no component '.%s'", name);
+}
+
+struct ast_more *ast_more(struct parse *p, struct ast *error)
+{
+    if (!error->more)
+        error->more = arena_alloc(p->mem, sizeof *error->more);
+    return error->more;
 }
 
 struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const char *format, ...)

@@ -29,7 +29,7 @@ enum ast_kind {
     AST_SEMICOLON,
     AST_BULK,           /* a run of constants, each with a comma behind it: bulk */
     AST_ERROR,          /* what could not be parsed, said when it is reached: text; note
-                           at other, if that has a source; meant: a name that is declared after all, or NULL */
+                           at other, if that has a source; more, or NULL */
 
     /* Values: expressions. */
     AST_NUMBER,         /* number */
@@ -90,6 +90,12 @@ struct ast_bulk {
     double *v;
 };
 
+/* What few errors have. */
+struct ast_more {
+    struct name *meant;         /* a name that is declared after all, or NULL */
+    struct loc askew, askew_end;    /* braces whose end looks like another's; source 0: none */
+};
+
 struct ast {
     uint8_t kind, flags;
     uint8_t op;                 /* '+' '-' '*' '/' '!' '<' '>' '=' '&' '|', or one of below */
@@ -105,7 +111,7 @@ struct ast {
             const char *text;
             union { size_t size; const char *note; };
             struct loc other;
-            struct name *meant;
+            struct ast_more *more;  /* ERROR: NULL as a rule */
         };
         struct { struct ast *left, *right, *third; };
         struct ast_bulk bulk;

@@ -94,6 +94,7 @@ static void add_pigment(struct lang *l, const struct item *block, struct sky_sph
 bool make_sky_sphere(struct lang *l, const struct item *block, struct value *out)
 {
     const struct field *const tables[] = { sky_sphere_fields, transform_fields, NULL };
+    unsigned errors = l->diag->errors;
     struct transform t;
     struct reader r;
 
@@ -106,11 +107,11 @@ bool make_sky_sphere(struct lang *l, const struct item *block, struct value *out
             add_pigment(l, &i, s);
         else if (build_transform(&r, &i, &t))
             s->place = transform_compose(&t, &s->place);
-        else if (!build_from_table(&r, sky_sphere_fields, &i, s))
+        else if (!build_from_table(&r, sky_sphere_fields, &i, s) && errors == l->diag->errors)
             build_unknown(l, &i, "sky_sphere", tables);
     }
     reader_close(&r);
-    if (s->n_pigment == 0)
+    if (s->n_pigment == 0 && errors == l->diag->errors)
         build_wrong(l, block, "a sky_sphere needs a pigment");
     *out = value_thing(VALUE_SKY_SPHERE, s);
     return true;
@@ -152,8 +153,9 @@ bool build_background(struct lang *l, const struct item *block, struct value *ou
     if (reader_peek(&r)->kind != ITEM_END)
         l->scene->background = colour_take(&r, false, "background");
     l->scene->has_background = true;
-    if (reader_peek(&r)->kind != ITEM_END)
-        build_unknown(l, reader_peek(&r), "background", NULL);
+    struct item rest = reader_next(&r);
+    if (rest.kind != ITEM_END)
+        build_unknown(l, &rest, "background", NULL);
     reader_close(&r);
     return true;
 }

@@ -48,6 +48,12 @@ vec3 build_vector(struct reader *r, bool comma, const char *what)
 
 /* --- messages ---------------------------------------------------------------- */
 
+static bool is_argument(const struct item *i)
+{
+    return i->kind == ITEM_COMMA || (i->kind == ITEM_VALUE && !item_is_object(i))
+        || (i->kind == ITEM_WORD && (i->word->class == WORD_RGB || i->word->class == WORD_COLOUR));
+}
+
 /* What follows an unknown word is its values: nothing is said about them. */
 static void skip_values(struct lang *l)
 {
@@ -55,8 +61,7 @@ static void skip_values(struct lang *l)
 
     if (!r || l->stopped)
         return;
-    while (reader_peek(r)->kind == ITEM_COMMA
-           || (reader_peek(r)->kind == ITEM_VALUE && !item_is_object(reader_peek(r))))
+    while (is_argument(reader_peek(r)))
         reader_next(r);
     r->failed = true;
 }
@@ -81,21 +86,49 @@ static void unknown_name(struct lang *l, const struct item *i, const char *block
                          const struct field *const *tables)
 {
     const char *guess = table_guess(l, i, tables);
-    struct guess g = guess_start(i->text);
 
-    if (*guess) {
+    if (*guess)
         diag_error(l->diag, i->at, "unknown word '%s' in %s%s", i->text, block, guess);
-        return;
-    }
-    guess_names(&g, l);
-    for (const char *const *word = colour_words; *word; word++)
-        guess_try(&g, *word);
-    const char *file = guess_include(l, i->text);
-    diag_error(l->diag, i->at, "undeclared name '%s' in %s%s", i->text, block,
-               file ? arena_format(l->mem, "; #include \"%s\" declares it", file)
-               : guess_text(&g, l));
-    if (!file)
-        guess_note(&g, l);
+    else
+        say_undeclared(l, i->at, i->text, arena_format(l->mem, " in %s", block));
+}
+
+/* The block in which a word has a meaning: "; it belongs in finish { }". */
+static const char *home_text(struct lang *l, const struct item *i)
+{
+    static const struct { const struct field *table; const char *block; } homes[] = {
+        { interior_fields, "interior" }, { finish_fields, "finish" },
+        { settings_fields, "global_settings" }, { image_fields, "image_map" },
+    };
+
+    if (i->word->pattern)
+        return "; it belongs in pigment { }";
+    for (size_t h = 0; h < sizeof homes / sizeof *homes; h++)
+        if (field_find(homes[h].table, i->text))
+            return arena_format(l->mem, "; it belongs in %s { }", homes[h].block);
+    return "";
+}
+
+/* A word that is known, but not here. */
+static void misplaced_word(struct lang *l, const struct item *i, const char *block,
+                           const struct field *const *tables)
+{
+    const char *guess = table_guess(l, i, tables);
+
+    if (i->kind == ITEM_WORD && i->word->block)
+        diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
+    else
+        diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
+                   *guess ? guess : home_text(l, i));
+}
+
+/* rgb 1, 0, 0 */
+static const char *comma_hint(const struct lang *l, const struct item *i, const char *block)
+{
+    bool is_colour = strcmp(block, "pigment") == 0 || strcmp(block, "background") == 0;
+
+    return i->kind == ITEM_COMMA && is_colour && reader_is_number(l->reader)
+           ? ": the numbers of a colour stand between < and >" : "";
 }
 
 void build_unknown(struct lang *l, const struct item *i, const char *block,
@@ -115,14 +148,15 @@ void build_unknown(struct lang *l, const struct item *i, const char *block,
             if (l->reader)
                 l->reader->unclosed = true;
         } else
-            diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
-                       table_guess(l, i, tables));
+            misplaced_word(l, i, block, tables);
         if (i->kind == ITEM_WORD)
             skip_values(l);
         return;
     default:
         if (!l->reader || !l->reader->failed)       /* else it is what a number was missed for */
-            diag_error(l->diag, i->at, "%s cannot stand here in %s", item_describe(l, i), block);
+            diag_error(l->diag, i->at, "%s cannot stand here in %s%s", item_describe(l, i), block,
+                       l->reader ? comma_hint(l, i, block) : "");
+        skip_values(l);
     }
 }
 
@@ -262,7 +296,7 @@ const struct field transform_fields[] = {
 static struct transform read_scale(struct reader *r)
 {
     struct loc at = reader_at(r);
-    vec3 by = build_vector(r, false, "scale");
+    vec3 by = build_vector(r, false, "the factors of scale");
 
     if (by.x == 0 || by.y == 0 || by.z == 0)
         diag_warning(r->lang->diag, at, "scale by 0 flattens: 0 is taken as 1");
@@ -305,9 +339,9 @@ bool build_transform(struct reader *r, const struct item *i, struct transform *t
     else if (i->kind == ITEM_BLOCK)
         return false;
     else if (item_is(i, "translate"))
-        *t = transform_translate(build_vector(r, false, i->word->text));
+        *t = transform_translate(build_vector(r, false, "the vector of translate"));
     else if (item_is(i, "rotate"))
-        *t = transform_rotate(build_vector(r, false, i->word->text));
+        *t = transform_rotate(build_vector(r, false, "the angles of rotate"));
     else if (item_is(i, "scale"))
         *t = read_scale(r);
     else if (item_is(i, "matrix"))

@@ -153,13 +153,16 @@ static void warn_shape(struct lang *l, const struct item *block, const struct ca
         diag_warning(l->diag, block->at, "the camera looks along its sky vector");
 }
 
-static struct camera *solve(struct lang *l, const struct item *block, const struct camera_words *w)
+/* errors: how many there were before the block. */
+static struct camera *solve(struct lang *l, const struct item *block, const struct camera_words *w,
+                            unsigned errors)
 {
     struct camera *c = arena_alloc(l->scene_mem, sizeof *c);
     const char *wrong = camera_solve(w, c);
 
     if (wrong) {
-        build_wrong(l, block, "%s", wrong);
+        if (l->diag->errors == errors)
+            build_wrong(l, block, "%s", wrong);
         camera_solve(&camera_default, c);
     } else
         warn_shape(l, block, w, c);
@@ -185,6 +188,7 @@ static struct camera *moved(struct reader *r, const struct camera *from)
 bool make_camera(struct lang *l, const struct item *block, struct value *out)
 {
     struct camera_words w = build_of(l)->camera;
+    unsigned errors = l->diag->errors;
     struct camera *c;
     struct reader r;
 
@@ -194,7 +198,7 @@ bool make_camera(struct lang *l, const struct item *block, struct value *out)
         c = moved(&r, declared);
     else {
         read_items(&r, &w);
-        c = solve(l, block, &w);
+        c = solve(l, block, &w, errors);
     }
     reader_close(&r);
     *out = value_thing(VALUE_CAMERA, c);
@@ -204,12 +208,13 @@ bool make_camera(struct lang *l, const struct item *block, struct value *out)
 void build_default_camera(struct lang *l, const struct item *block)
 {
     struct build *b = build_of(l);
+    unsigned errors = l->diag->errors;
     struct reader r;
 
     reader_open(&r, l, block->body);
     read_items(&r, &b->camera);
     reader_close(&r);
-    l->scene->camera = *solve(l, block, &b->camera);
+    l->scene->camera = *solve(l, block, &b->camera, errors);
 }
 
 void use_camera(struct lang *l, struct loc at, const struct value *made)

@@ -28,6 +28,8 @@ static void check_order(struct lang *l, const struct item *i, const struct light
 {
     bool sized = item_is(i, "radius") || item_is(i, "falloff") || item_is(i, "tightness");
 
+    if (l->reader->failed)              /* an unknown word may have been the one that lacks */
+        return;
     if (sized && light->kind == LIGHT_POINT)
         diag_error(l->diag, i->at, "%s needs spotlight or cylinder before it", i->text);
     if (item_is(i, "point_at") && light->kind == LIGHT_POINT && !light->parallel)

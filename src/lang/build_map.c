@@ -146,7 +146,9 @@ static bool make_map(struct lang *l, const struct item *block, enum value_type t
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {
         if (i.kind == ITEM_ENTRY && !whole)
             read_entry(l, &i, type, &e, block->text);
-        else if (errors == l->diag->errors)     /* entries without brackets: said once */
+        else if (errors == l->diag->errors && i.kind == ITEM_VALUE && value_is_number(&i.value))    /* said once */
+            diag_error(l->diag, i.at, "an entry of %s stands in brackets: [ ]", block->text);
+        else if (errors == l->diag->errors)
             build_unknown(l, &i, block->text, NULL);
     }
     reader_close(&r);

@@ -18,6 +18,7 @@ struct making {
     struct list vertex, normal, uv, texture;
     struct list face, face_normal, face_uv, face_texture;       /* the last three: empty, or of each face */
     bool said;                          /* that a triangle is degenerate */
+    unsigned errors;                    /* before it: lists that were not understood have no number of things */
     bool has_faces;                     /* mesh2: group 1 is over */
     bool has_vertices, has_normals, has_uvs, has_textures, has_uv_indices, has_normal_indices;
 };
@@ -379,7 +380,8 @@ static uint32_t index_in(struct making *m, struct loc at, const char *what, doub
 {
     if (x >= 0 && x < (double)n)
         return (uint32_t)x;
-    diag_error(m->lang->diag, at, "%s: index %g is not in 0 to %zu", what, x, n > 0 ? n - 1 : 0);
+    if (m->lang->diag->errors == m->errors)
+        diag_error(m->lang->diag, at, "%s: index %g is not in 0 to %zu", what, x, n > 0 ? n - 1 : 0);
     return 0;
 }
 
@@ -627,7 +629,7 @@ static bool out_of_order(struct reader *r, const struct item *i, void *arg)
 static struct object *make_mesh2(struct lang *l, struct reader *r, const struct item *block)
 {
     struct making m = start(l, block);
-    unsigned errors = l->diag->errors;
+    unsigned errors = m.errors = l->diag->errors;
 
     read_sections(&m, r, block);
     if (l->diag->errors == errors)

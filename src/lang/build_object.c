@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/guess.h"
 #include "lang/colour.h"
 #include "lang/frame.h"
 
@@ -395,6 +396,15 @@ void object_close(struct lang *l, struct object *o, const struct item *block)
 
 /* --- object { X } and the dispatch ------------------------------------------------------ */
 
+static void no_object(struct lang *l, const struct item *name)
+{
+    struct guess g = guess_start(name->text);
+
+    guess_names(&g, l);
+    diag_error(l->diag, name->at, "no object '%s' is declared%s", name->text, guess_text(&g, l));
+    guess_note(&g, l);
+}
+
 static struct object *wrapped(struct lang *l, struct reader *r, const struct item *block)
 {
     unsigned errors = l->diag->errors;
@@ -402,11 +412,11 @@ static struct object *wrapped(struct lang *l, struct reader *r, const struct ite
     struct object *o = build_object(l, &first);
 
     if (!o) {
-        if (first.kind == ITEM_END)
+        if (first.kind == ITEM_NAME)
+            no_object(l, &first);
+        else if (first.kind == ITEM_END && errors == l->diag->errors)
             build_wrong(l, block, "this object is empty");
-        else if (first.kind == ITEM_NAME)
-            diag_error(l->diag, first.at, "no object '%s' is declared", first.text);
-        else if (errors == l->diag->errors)
+        else if (errors == l->diag->errors && !r->failed)
             diag_error(l->diag, first.at, "expected an object; found %s", item_describe(l, &first));
         o = object_start(l, OBJECT_UNION, block->at);
     }

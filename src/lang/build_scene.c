@@ -232,8 +232,10 @@ void build_add(struct lang *l, struct object *o)
 
 /* --- the top level ------------------------------------------------------------------------------ */
 
-static void unknown_statement(struct lang *l, const struct item *i)
+static void unknown_statement(struct lang *l, struct reader *r, const struct item *i)
 {
+    if (r->failed && (i->kind == ITEM_VALUE || i->kind == ITEM_COMMA))
+        return;                 /* it is part of what was said to be wrong */
     if (i->kind == ITEM_NAME) {
         struct guess g = guess_start(i->text);
         for (const struct block *b = blocks; b->word; b++)
@@ -282,7 +284,7 @@ void build_statement(struct lang *l, struct reader *r, struct item item)
     else if ((o = build_object(l, &item)))
         build_add(l, o);
     else if (!old_setting(l, r, &item))
-        unknown_statement(l, &item);
+        unknown_statement(l, r, &item);
 }
 
 /* --- #default --------------------------------------------------------------------------------- */

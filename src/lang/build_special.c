@@ -169,7 +169,7 @@ static void check_prism(struct lang *l, const struct item *block, const char *sp
 
     at_least(l, block, p, linear ? 3 : is_bezier(spline) ? 4 : least_points(spline) + 2);
     fours(l, block, spline, p);
-    if (linear && p->n >= 3 && !is_closed(p, 2))
+    if (linear && p->n >= 3 && !is_closed(p, 2) && !l->reader->failed)
         diag_warning(l->diag, block->at, "this prism's outline is not closed: it is closed by a straight line");
 }
 
@@ -255,7 +255,7 @@ static struct object *make_polygon(struct lang *l, struct reader *r, const struc
     for (size_t i = 0; i < p.n; i++)
         reach_to(o, vec(p.v[i][0], p.v[i][1], p.v[i][2]), 0);
     at_least(l, block, &p, 3);
-    if (p.n >= 3 && !is_closed(&p, 3))
+    if (p.n >= 3 && !is_closed(&p, 3) && !r->failed)
         diag_warning(l->diag, block->at, "this polygon is not closed: it is closed by a straight line");
     build_modifiers(r, o, block, NULL, NULL, NULL);
     return o;

@@ -142,6 +142,8 @@ static bool read_base(struct reader *r, double c[5])
     if (b) {
         reader_next(r);
         if (!is_numeric(reader_peek(r))) {
+            if (reader_explains(r))
+                return false;
             diag_error(r->lang->diag, reader_at(r), "%s needs a vector or a number; found %s",
                        b->word, item_describe(r->lang, reader_peek(r)));
             return false;
@@ -217,8 +219,9 @@ colour colour_take(struct reader *r, bool comma, const char *what)
     if (comma)
         reader_skip_comma(r);
     if (!may_start(r)) {
-        diag_error(r->lang->diag, reader_at(r), "expected a colour for %s; found %s", what,
-                   item_describe(r->lang, reader_peek(r)));
+        if (!reader_explains(r))
+            diag_error(r->lang->diag, reader_at(r), "expected a colour for %s; found %s", what,
+                       item_describe(r->lang, reader_peek(r)));
         return (colour) { 0 };
     }
     colour_read(r, &v);

@@ -50,12 +50,12 @@ static void say_no_value(struct lang *l, const struct item *i)
 
     if (i->kind == ITEM_NAME && i->body && !i->brace.source)
         say_unknown_call(l, i->at, i->text);
+    else if (i->kind == ITEM_NAME && !i->brace.source)
+        say_undeclared(l, i->at, i->text, NULL);
     else if (i->kind == ITEM_NAME) {
         guess_names(&g, l);
-        if (i->brace.source)
-            guess_words(&g, l);
-        diag_error(l->diag, i->at, "%s '%s'%s", i->brace.source ? "unknown word" : "undeclared name",
-                   i->text, guess_text(&g, l));
+        guess_words(&g, l);
+        diag_error(l->diag, i->at, "unknown word '%s'%s", i->text, guess_text(&g, l));
         guess_note(&g, l);
     } else
         diag_error(l->diag, i->at, "expected a value, found %s", item_describe(l, i));
@@ -227,6 +227,7 @@ static void assign_name(struct lang *l, const struct ast *node, struct value *v)
     if (old && !may_replace(l, node, old->value, v))
         return;
     struct binding *b = scope_declare(l, node->target->name, node->op == 'l', node->target->at);
+    b->is_broken = false;
     if (node->marks)
         mark(l, b, node);
     else if (b->deprecated)
@@ -242,7 +243,7 @@ static void assign_name(struct lang *l, const struct ast *node, struct value *v)
 static void declare(struct lang *l, const struct ast *node)
 {
     struct value v;
-    bool semicolon = node->flags & AST_SEMI;
+    bool semicolon = node->flags & AST_SEMI, is_broken = false;
 
     if ((node->marks || !node->target) && !check_marks(l, node))
         return;
@@ -252,11 +253,13 @@ static void declare(struct lang *l, const struct ast *node)
         if (node->target->kind != AST_NAME || scope_find(node->target->name))
             return;
         harmless(&v);
+        is_broken = true;
     } else if (!semicolon && value_is_number(&v) && !l->diag->errors
                && l->version >= 350) {      /* older scenes may lack it */
         struct loc end = node->value->last ? node->value->last->at : node->at;
         end.begin = end.end;
         diag_error(l->diag, end, "';' is missing behind this declaration");
+        l->reader->failed = true;       /* what follows may have been part of it */
     }
     if (node->n > 1 && !value_is_number(&v))
         diag_error(l->diag, node->at, "a second ';' can follow the declaration of numbers only");
@@ -266,6 +269,8 @@ static void declare(struct lang *l, const struct ast *node)
         assign_name(l, node, &v);
     else
         array_assign(l, node->target, &v);
+    if (is_broken && scope_find(node->target->name))
+        scope_find(node->target->name)->is_broken = true;
 }
 
 /* --- conditions and loops ------------------------------------------------------- */
@@ -278,9 +283,9 @@ static bool holds(struct lang *l, const struct ast *branch)
         return true;
     if (branch->op == 'i')
         return evaluate_condition(l, branch->args, "a number as condition", &x) && is_true(x);
-    const struct ast *a = branch->args->first;
-    if (a && a->kind == AST_ERROR) {
-        diag_error(l->diag, a->at, "%s", a->text);
+    const struct ast *a = branch->args->first, *last = branch->args->last;
+    if (last && last->kind == AST_ERROR) {
+        say_parse_error(l, last);
         return false;
     }
     return a && array_is_defined(l, a) == (branch->op == 'd');
@@ -296,11 +301,11 @@ static void choose(struct lang *l, const struct ast *node)
         frame_push(l, FRAME_BRANCH, b->body, node);
 }
 
-static bool round_counts(struct lang *l, struct loc at)
+bool round_counts(struct lang *l, struct loc at)
 {
     if (++l->rounds <= l->limits->iterations)
         return true;
-    lang_limit(l, at, "the loops of this scene have run more than %.0f times; "
+    lang_limit(l, at, "the loops, macros and included files of this scene have run more than %.0f times; "
                "--max-iterations=N would let them go on", l->limits->iterations);
     return false;
 }
@@ -425,7 +430,7 @@ static void start_for(struct lang *l, const struct ast *node)
     double v[3];
 
     if (!node->name && node->args->first && node->args->first->kind == AST_ERROR)
-        diag_error(l->diag, node->args->first->at, "%s", node->args->first->text);
+        say_parse_error(l, node->args->first);
     if (!for_numbers(l, node, v))
         return;
     struct binding *b = scope_find(node->name);
@@ -602,7 +607,7 @@ static void define_macro(struct lang *l, const struct ast *node)
         return;
 
     if (node->args) {
-        diag_error(l->diag, node->args->at, "%s", node->args->text);
+        say_parse_error(l, node->args);
         if (!node->name)
             return;
     }
@@ -812,7 +817,7 @@ bool macro_call(struct lang *l, const struct ast *call)
         l->stopped = true;
         return false;
     }
-    if (say_unclosed(l, call->args) || !has_macros(l, call->at))
+    if (say_unclosed(l, call->args) || !has_macros(l, call->at) || !round_counts(l, call->at))
         return false;
     if (m->n > FEW)
         argument = arena_array(l->mem, (size_t)m->n, sizeof *argument);

@@ -32,11 +32,7 @@ void harmless(struct value *out)
 
 void wrong_type(struct lang *l, struct loc at, const struct value *v, const char *wanted)
 {
-    if (v->type == VALUE_NUMBER)
-        diag_error(l->diag, at, "expected %s, found a %s of %d component%s", wanted, value_name(v),
-                   v->n, v->n == 1 ? "" : "s");
-    else
-        diag_error(l->diag, at, "expected %s, found %s", wanted, value_name(v));
+    diag_error(l->diag, at, "expected %s, found %s", wanted, value_describe(l, v));
 }
 
 /* --- operators -------------------------------------------------------------- */
@@ -216,15 +212,6 @@ void member(struct lang *l, const struct ast *a, struct value *v)
 
 static void eval(struct lang *l, const struct ast *a, struct value *out);
 
-static void say_undeclared(struct lang *l, struct loc at, const char *name)
-{
-    struct guess g = guess_start(name);
-
-    guess_names(&g, l);
-    diag_error(l->diag, at, "undeclared name '%s'%s", name, guess_text(&g, l));
-    guess_note(&g, l);
-}
-
 void say_unknown_call(struct lang *l, struct loc at, const char *name)
 {
     struct guess g = guess_start(name);
@@ -250,7 +237,10 @@ static void eval_name(struct lang *l, const struct ast *a, struct value *out)
     struct binding *b = scope_find(a->name);
 
     if (!b) {
-        (a->kind == AST_CALL ? say_unknown_call : say_undeclared)(l, a->at, a->name->text);
+        if (a->kind == AST_CALL)
+            say_unknown_call(l, a->at, a->name->text);
+        else
+            say_undeclared(l, a->at, a->name->text, NULL);
         harmless(out);
         return;
     }
@@ -340,9 +330,9 @@ static void eval_call(struct lang *l, const struct ast *a, struct value *out)
         function_call(l, a, called.thing, out);
     else if (called.type == VALUE_SPLINE)
         spline_call(l, a, called.thing, out);
-    else if (a->params || scope_find(a->name))
+    else if (a->params || (scope_find(a->name) && !scope_find(a->name)->is_broken))
         diag_error(l->diag, a->at, "'%s' is %s, not a function or macro", a->name->text,
-                   value_name(&called));
+                   value_describe(l, &called));
 }
 
 static void eval_binary(struct lang *l, const struct ast *a, struct value *out)
@@ -371,6 +361,11 @@ static void say_lone_text(struct lang *l, struct loc at, struct value *v)
  * place is made longer before it is used. */
 static void eval_paren(struct lang *l, const struct ast *a, struct value *out)
 {
+    if (a->args->flags & AST_ALL_COMMAS && a->args->n > 1) {
+        diag_error(l->diag, a->at, "a vector stands between < and >, not in parentheses");
+        harmless(out);
+        return;
+    }
     evaluate_one(l, a->args, "a value in the parentheses", out);
     if (out->type == VALUE_TEXT)
         say_lone_text(l, a->at, out);
@@ -418,9 +413,7 @@ static void eval(struct lang *l, const struct ast *a, struct value *out)
     case AST_CALL: eval_call(l, a, out); return;
     case AST_CONDITION: eval_condition(l, a, out); return;
     case AST_ERROR:
-        diag_error(l->diag, a->at, "%s", a->text);
-        if (a->other.source)
-            diag_note(l->diag, a->other, "%s", a->note);
+        say_parse_error(l, a);
         break;
     default:
         diag_error(l->diag, a->at, "expected a value");
@@ -532,7 +525,7 @@ static bool take_value(struct lang *l, struct reader *r, struct values *values)
 
     if (i.kind != ITEM_VALUE) {
         if (i.kind == ITEM_NAME)
-            say_undeclared(l, i.at, i.text);
+            say_undeclared(l, i.at, i.text, NULL);
         else if (!r->failed)
             diag_error(l->diag, i.at, "expected a value, found %s", item_describe(l, &i));
         return false;
@@ -583,8 +576,7 @@ bool say_unclosed(struct lang *l, const struct ast *list)
 
     if (!last || last->kind != AST_ERROR || !last->other.source)
         return false;
-    diag_error(l->diag, last->at, "%s", last->text);
-    diag_note(l->diag, last->other, "%s", last->note);
+    say_parse_error(l, last);
     return true;
 }
 

@@ -287,9 +287,21 @@ static FILE *pretend(struct lang *l, struct loc at, const char *path, bool appen
     return f ? f : tmpfile();
 }
 
+/* Nobody may be at the other end of a pipe, and a device is no file of a scene's. */
+static bool is_special(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
 static FILE *open_to_write(struct lang *l, struct loc at, const char *path, bool append,
                            bool *is_pretended)
 {
+    if (may_write(l, path) && is_special(path)) {
+        diag_error(l->diag, at, "the scene may not write '%s': it is a pipe or a device", path);
+        return NULL;
+    }
     if (may_write(l, path))
         return fopen(path, append ? "ab" : "wb");
     *is_pretended = may_pretend(l, path);
@@ -378,7 +390,8 @@ static struct handle *named_handle(struct lang *l, const struct ast *node, const
     struct handle *h = a && a->kind == AST_NAME ? find_handle(l, a->name) : NULL;
 
     if (!h) {
-        diag_error(l->diag, a ? a->at : node->at, "expected the name of an open file");
+        if (!(a && a->kind == AST_NAME && scope_find(a->name) && scope_find(a->name)->is_broken))
+            diag_error(l->diag, a ? a->at : node->at, "expected the name of an open file");
         return NULL;
     }
     if (h->writes != (node->kind == AST_WRITE)) {

@@ -73,33 +73,21 @@ void guess_note(const struct guess *g, struct lang *l)
         note_declared(l, g->best);
 }
 
-/* Does a line say `#declare NAME` or `#macro NAME`? */
-static bool declares(const char *line, const char *name)
+/* What a line that says `#declare NAME` or `#macro NAME` declares, or NULL; cut in place. */
+static char *declared_by(char *line)
 {
-    size_t n = strlen(name);
-
     line += strspn(line, " \t");
     if (*line++ != '#')
-        return false;
+        return NULL;
     line += strspn(line, " \t");
     line += strncmp(line, "declare", 7) == 0 ? 7 : strncmp(line, "macro", 5) == 0 ? 5 : 0;
     if (*line != ' ' && *line != '\t')
-        return false;
-    line += strspn(line, " \t");
-    return strncmp(line, name, n) == 0 && !isalnum((unsigned char)line[n]) && line[n] != '_';
-}
-
-static bool file_declares(const char *path, const char *name)
-{
-    char line[256];
-    FILE *f = fopen(path, "r");
-    bool found = false;
-
-    while (f && !found && fgets(line, sizeof line, f))
-        found = declares(line, name);
-    if (f)
-        fclose(f);
-    return found;
+        return NULL;
+    char *name = line + strspn(line, " \t"), *end = name;
+    while (isalnum((unsigned char)*end) || *end == '_')
+        end++;
+    *end = '\0';
+    return name;
 }
 
 /* The files that scenes take their names from, the commonest first. */
@@ -110,11 +98,66 @@ static const char *const common_files[] = {
     "arrays.inc", "strings.inc", "glass_old.inc", NULL,
 };
 
-const char *guess_include(const struct lang *l, const char *name)
+struct library_guess {
+    struct guess guess;
+    const char *file;           /* that declares the guess, or exactly the name */
+    bool is_exact;
+};
+
+static void look_into(struct lang *l, struct library_guess *g, const char *folder, const char *file)
 {
-    for (const char *const *file = common_files; *file; file++)
-        for (size_t i = 0; i < l->setup.n_library; i++)
-            if (file_declares(arena_format(l->mem, "%s/%s", l->setup.library[i], *file), name))
-                return *file;
-    return NULL;
+    FILE *f = fopen(arena_format(l->mem, "%s/%s", folder, file), "r");
+    char line[256], *name;
+
+    while (f && !g->is_exact && fgets(line, sizeof line, f)) {
+        const char *before = g->guess.best;
+        if (!(name = declared_by(line)) || !*name)
+            continue;
+        g->is_exact = strcmp(name, g->guess.wrong) == 0;
+        guess_try(&g->guess, name);
+        if (g->guess.best != before)
+            g->guess.best = arena_text(l->mem, name, strlen(name));
+        if (g->is_exact || g->guess.best != before)
+            g->file = file;
+    }
+    if (f)
+        fclose(f);
+}
+
+static struct library_guess look_in_library(struct lang *l, const char *name)
+{
+    struct library_guess g = { .guess = guess_start(name) };
+
+    for (const char *const *file = common_files; !g.is_exact && *file; file++)
+        for (size_t i = 0; !g.is_exact && i < l->setup.n_library; i++)
+            look_into(l, &g, l->setup.library[i], *file);
+    return g;
+}
+
+static const char *library_text(struct lang *l, const struct library_guess *g)
+{
+    if (g->is_exact)
+        return arena_format(l->mem, "; #include \"%s\" declares it", g->file);
+    return arena_format(l->mem, "; did you mean '%s', which #include \"%s\" declares?",
+                        g->guess.best, g->file);
+}
+
+void say_undeclared(struct lang *l, struct loc at, const char *name, const char *where)
+{
+    struct library_guess library = look_in_library(l, name);
+    struct guess g = guess_start(name);
+    const char *text = "";
+
+    guess_names(&g, l);
+    bool is_near = g.best && !library.is_exact && !(library.file && library.guess.distance < g.distance);
+    for (size_t i = 0; !is_near && !library.file && i < l->n_word; i++)
+        if (where || l->word[i].class == WORD_CONSTANT)
+            guess_try(&g, l->word[i].text);
+    if (library.file && !is_near)
+        text = library_text(l, &library);
+    else
+        text = guess_text(&g, l);
+    diag_error(l->diag, at, "undeclared name '%s'%s%s", name, where ? where : "", text);
+    if (is_near)
+        guess_note(&g, l);
 }

@@ -23,7 +23,9 @@ const char *guess_text(const struct guess *g, const struct lang *l);
 void guess_note(const struct guess *g, struct lang *l);
 void note_declared(struct lang *l, const char *name);       /* if a place is known */
 
-/* The file of the library that declares a name, or NULL. */
-const char *guess_include(const struct lang *l, const char *name);
+/* "undeclared name 'Blu' in pigment; did you mean 'Blue'?", with what helps: a name of the
+ * scene, a word, or a file of the library that declares it.  where: " in pigment" or "";
+ * NULL: words that are no values would not help. */
+void say_undeclared(struct lang *l, struct loc at, const char *name, const char *where);
 
 #endif

@@ -181,7 +181,8 @@ static void build_items(struct lang *l, const struct ast *tree)
         struct item i = reader_next(&r);
         unsigned errors = l->diag->errors;
         build_statement(l, &r, i);
-        l->skipping = errors != l->diag->errors && i.kind != ITEM_BLOCK;
+        l->skipping = (errors != l->diag->errors || (r.failed && i.kind == ITEM_VALUE))
+            && i.kind != ITEM_BLOCK;
         if (l->skipping)
             reader_resume(&r);
         r.failed = false;

@@ -26,6 +26,9 @@ struct open {
     bool uneven;                /* an #if: not every branch left one brace open, */
     unsigned left_open;         /* this branch that many, */
     struct loc brace;           /* the last of them here */
+    bool in_value;              /* a bracket in a declaration's value: no ';' belongs in it */
+    const struct word *word;    /* whose { } these are; NULL: unknown */
+    struct loc askew, askew_end;    /* a pair of braces in it whose end stands further left than its line */
     struct loc at;
 };
 
@@ -52,11 +55,13 @@ struct parse {
     struct open *open;
     unsigned n_open;
     struct loc closed;          /* the '{' that was closed last */
-    int last;                   /* the token before */
+    int last;                   /* the token before, ... */
+    struct name *last_word;     /* ... and its name */
     bool file_name;             /* a text that follows is a file's name */
     int function;               /* 1: behind the word function, 2: behind its ( ), else 0 */
     bool deep;                  /* nested beyond the limit: the rest is not read */
-    int owed;                   /* a token to give again after those that close brackets */
+    int owed;                   /* a token to give again after those that close brackets, ... */
+    struct name *owed_word;     /* ... and its name */
     bool ended;
     bool every_token;           /* blocks are given in parts, however plain they are */
     uint32_t vain;              /* the word there begins a block that is not plain; 0: none */
@@ -67,6 +72,7 @@ struct parse {
     struct loc declaring;       /* behind #declare, up to its '=' */
     unsigned declaring_at;      /* n_open there */
     unsigned value_at;          /* n_open + 1 in a declaration's value, else 0 */
+    unsigned semicolon_at;      /* n_open + 1 where a ';' is to come, else 0 */
     unsigned colour_at;         /* the same behind rgb */
     struct ast *root;
     void (*run)(struct lang *l, const struct ast *statements);      /* NULL: the tree is kept */
@@ -88,6 +94,7 @@ bool scanner_start(struct parse *p);
 void scanner_end(struct parse *p);
 void scanner_uncover(struct parse *p);      /* makes the text whole until the next token */
 void scanner_dump(struct lang *l, uint32_t source, FILE *out);      /* in parse.y: it names tokens */
+struct name *name_behind(struct parse *p, uint32_t from);      /* NULL: no name is there */
 bool text_unescape(char *text, size_t *size);       /* in place; false: no such escape */
 struct parse *parse_start(struct lang *l, uint32_t source);
 
@@ -105,6 +112,10 @@ static inline bool is_letter(char c)
 {
     return ((c | 32) >= 'a' && (c | 32) <= 'z') || c == '_';
 }
+
+/* Does a '}' alone stand further left than the line where its '{' is?  It was likely meant
+ * for what is around that.  (In scan.l.) */
+bool is_askew(const struct parse *p, const char *open, const char *close);
 
 /* A word and its { }, if all in them is plain (plain.c); NULL: it is not, or
  * there are none.  begin: of the word; end: behind the braces. */
@@ -126,6 +137,7 @@ struct ast *ast_tail(struct parse *p, struct loc at, int op, struct ast *right);
 struct ast *ast_condition(struct parse *p, struct loc at, struct ast *a, struct ast *b,
                           struct ast *c);
 struct ast *ast_member(struct parse *p, struct loc at, struct ast *left, const char *name);
+struct ast_more *ast_more(struct parse *p, struct ast *error);     /* made when there is none */
 struct ast *ast_error(struct parse *p, struct loc at, struct loc other, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 

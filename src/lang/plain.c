@@ -21,6 +21,7 @@ struct attempt {
     char *at;                   /* behind what was read */
     char *most;                 /* it ends here in vain */
     unsigned depth;
+    const struct word *around;  /* whose braces are read */
 };
 
 static struct loc loc_of(const struct parse *p, const char *begin, const char *end)
@@ -45,7 +46,7 @@ static struct ast *word_item(struct attempt *a, struct name *name, char *begin, 
     if (class != WORD_PLAIN && class != WORD_RGB && class != WORD_COLOUR && class != WORD_TEXTURE)
         return NULL;
     if (*a->at == '{')
-        return block(a, name, begin);
+        return word_shuts_out(a->around, word) ? NULL : block(a, name, begin);
     *before = class == WORD_TEXTURE ? BEFORE_OTHER : BEFORE_WORD;
     struct ast *node = ast_new(a->parse, AST_WORD, loc_of(a->parse, begin, end));
     node->name = name;
@@ -135,9 +136,13 @@ static struct ast *block(struct attempt *a, struct name *name, char *begin)
     struct parse *p = a->parse;
     char *brace = a->at++;
     struct ast *list = ast_list(p, loc_of(p, brace, a->at));
+    const struct word *around = a->around;
 
-    if (++a->depth > DEEPEST || p->n_open + a->depth > p->lang->limits->nesting || !items(a, list))
+    a->around = name->word;
+    if (++a->depth > DEEPEST || p->n_open + a->depth > p->lang->limits->nesting || !items(a, list)
+        || is_askew(p, brace, a->at))
         return NULL;
+    a->around = around;
     a->depth--;
     a->at++;
     list->close = loc_of(p, a->at - 1, a->at);

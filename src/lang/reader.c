@@ -74,8 +74,30 @@ void reader_close(struct reader *r)
 /* What the mistake was to declare is known from now on: one mistake, one message. */
 static void declare_meant(struct lang *l, const struct ast *a)
 {
-    if (a->meant && !scope_find(a->meant))
-        harmless(scope_declare_global(l, a->meant, a->at)->value);
+    struct name *meant = a->more ? a->more->meant : NULL;
+
+    if (!meant || scope_find(meant))
+        return;
+    struct binding *b = scope_declare_global(l, meant, a->at);
+    harmless(b->value);
+    b->is_broken = true;
+}
+
+static void note_askew(struct lang *l, const struct ast_more *more)
+{
+    diag_note(l->diag, more->askew, "or is it this one's? the '}' that closes it, in line %u, "
+              "stands further left",
+              source_position(l->sources, more->askew_end.source, more->askew_end.begin).line);
+}
+
+void say_parse_error(struct lang *l, const struct ast *a)
+{
+    diag_error(l->diag, a->at, "%s", a->text);
+    declare_meant(l, a);
+    if (a->other.source)
+        diag_note(l->diag, a->other, "%s", a->note);
+    if (a->more && a->more->askew.source)
+        note_askew(l, a->more);
 }
 
 /* What could not be parsed is said when it is reached: in a branch that is
@@ -85,11 +107,8 @@ static void say_error(struct reader *r, const struct ast *a)
     r->failed = true;
     if (r->unclosed && a->other.source == r->brace.source && a->other.begin == r->brace.begin)
         return;
-    diag_error(r->lang->diag, a->at, "%s", a->text);
-    declare_meant(r->lang, a);
+    say_parse_error(r->lang, a);
     r->lang->stopped |= (a->flags & AST_FATAL) != 0;
-    if (a->other.source)
-        diag_note(r->lang->diag, a->other, "%s", a->note);
 }
 
 /* Behind such a place, the list makes sense again at the next block or
@@ -215,6 +234,7 @@ static void read_name(struct reader *r, const struct ast *a, struct item *i)
     }
     read_value(r, a, i);
     i->name = a->name->text;
+    r->failed |= b->is_broken;
 }
 
 static void read_call(struct reader *r, const struct ast *a, struct item *i)
@@ -431,8 +451,7 @@ const char *item_describe(struct lang *l, const struct item *i)
     case ITEM_VALUE:
         if (i->name && !value_is_number(&i->value))
             return arena_format(l->mem, "the %s '%s'", value_name(&i->value), i->name);
-        return arena_format(l->mem, "a%s %s", strchr("aeio", value_name(&i->value)[0]) ? "n" : "",
-                            value_name(&i->value));
+        return value_describe(l, &i->value);
     default: return arena_format(l->mem, "'%s'", i->text);
     }
 }
@@ -446,23 +465,28 @@ bool reader_is_number(struct reader *r)
     return i->kind == ITEM_VALUE && value_is_number(&i->value);
 }
 
-/* One message: what is wrong with a list is said once. */
-static void say_wanted(struct reader *r, const char *what)
+bool reader_explains(struct reader *r)
 {
     struct lang *l = r->lang;
     const struct item *i = reader_peek(r);
 
     if (r->failed || l->stopped)
-        return;
+        return true;
     r->failed = true;
-    if (i->kind == ITEM_NAME) {
-        struct guess g = guess_start(i->text);
-        guess_names(&g, l);
-        diag_error(l->diag, i->at, "undeclared name '%s'%s", i->text, guess_text(&g, l));
-        guess_note(&g, l);
-        reader_next(r);
+    if (i->kind != ITEM_NAME)
+        return false;
+    say_undeclared(l, i->at, i->text, i->body ? "" : NULL);
+    reader_next(r);
+    return true;
+}
+
+static void say_wanted(struct reader *r, const char *what)
+{
+    struct lang *l = r->lang;
+    const struct item *i = reader_peek(r);
+
+    if (reader_explains(r))
         return;
-    }
     diag_error(l->diag, reader_at(r), "expected %s, found %s", what, item_describe(l, i));
     if (i->kind == ITEM_VALUE && i->name)
         note_declared(l, i->name);

@@ -86,9 +86,15 @@ bool reader_list(struct reader *r, const char *what, size_t n, double *out);
 /* The same in ( ): polynomial's xyz ( ), julia_fractal's pwr ( ). */
 bool reader_arguments(struct reader *r, const char *what, size_t n, double *out);
 
+/* What stands next is not what was wanted: one message a list.  True: it was a name that
+ * is not declared, or something was said before. */
+bool reader_explains(struct reader *r);
+
 /* The loc of what stands next, or of the closing brace. */
 struct loc reader_at(struct reader *r);
 /* "sphere", "'phong'", "a number", "the end of the block": for messages. */
+/* What the parser found wrong, and the notes that belong to it. */
+void say_parse_error(struct lang *l, const struct ast *error);
 const char *item_describe(struct lang *l, const struct item *i);
 
 #endif

@@ -51,7 +51,7 @@ static struct binding *binding_new(struct lang *l, struct name *name, unsigned s
     b->outer = b->sibling = NULL;
     b->scope = scope;
     b->deprecated = NULL;
-    b->warn_once = false;
+    b->warn_once = b->is_broken = false;
     b->at = at;
     if (scope) {
         b->sibling = l->scope[scope];

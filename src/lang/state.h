@@ -21,6 +21,7 @@ struct binding {
     unsigned scope;                     /* 0: global */
     const char *deprecated;             /* what each use warns of; NULL: nothing */
     bool warn_once;
+    bool is_broken;                     /* its declaration was wrong, which was said */
     struct loc at;                      /* where it was declared */
 };
 

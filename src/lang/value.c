@@ -1,6 +1,8 @@
 /* value.c: what an expression or a declaration evaluates to. */
 #include "lang/value.h"
 
+#include <string.h>
+
 #include "lang/state.h"
 
 static const char *const type_names[] = {
@@ -27,6 +29,15 @@ const char *value_name(const struct value *v)
     if (v->type == VALUE_NUMBER && v->n > 1)
         return "vector";
     return type_names[v->type];
+}
+
+const char *value_describe(struct lang *l, const struct value *v)
+{
+    const char *name = value_name(v);
+
+    if (v->type == VALUE_NUMBER && v->n > 1)
+        return arena_format(l->mem, "a vector of %d components", v->n);
+    return arena_format(l->mem, "a%s %s", strchr("aeio", *name) ? "n" : "", name);
 }
 
 bool value_is_number(const struct value *v)

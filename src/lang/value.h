@@ -51,6 +51,8 @@ struct value {
 };
 
 const char *value_type_name(enum value_type type);      /* "pigment", "number" */
+struct lang;
+const char *value_describe(struct lang *l, const struct value *v);    /* "a vector of 4 components" */
 const char *value_name(const struct value *v);          /* "vector" for several numbers */
 bool value_is_number(const struct value *v);            /* or colour: of any size */
 double value_component(const struct value *v, int i);   /* where more are wanted than there are */

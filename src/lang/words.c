@@ -264,6 +264,45 @@ bool word_is(const struct word *w, const char *text)
     return w && strcmp(w->text, text) == 0;
 }
 
+/* Solids in which others may stand, too. */
+static bool is_group(const struct word *w)
+{
+    static const char *const groups[] = {
+        "mesh", "union", "object", "difference", "intersection", "merge", "blob", "mesh2",
+        "composite", "light_group", NULL,
+    };
+
+    for (const char *const *g = groups; *g; g++)
+        if (word_is(w, *g))
+            return true;
+    return false;
+}
+
+static bool is_part_of_look(const struct word *w)
+{
+    return word_is(w, "texture") || word_is(w, "pigment") || word_is(w, "normal")
+        || word_is(w, "finish") || word_is(w, "interior") || word_is(w, "material");
+}
+
+bool word_shuts_out(const struct word *around, const struct word *next)
+{
+    if (!around || !around->block || !next->block)
+        return false;
+    bool statement = next->block->use || word_is(next, "global_settings");
+    switch (around->block->makes) {
+    case VALUE_OBJECT: return statement && !is_group(around);
+    case VALUE_TEXTURE: case VALUE_NORMAL: case VALUE_DENSITY:
+        return statement && !word_is(next, "object");
+    case VALUE_PIGMENT:
+        return (statement && !word_is(next, "object"))
+            || (is_part_of_look(next) && !word_is(next, "pigment"));
+    case VALUE_INTERIOR: return statement && !word_is(next, "media");
+    case VALUE_FINISH: case VALUE_CAMERA: case VALUE_NONE:
+        return statement || (is_part_of_look(next) && !word_is(next, "normal"));
+    default: return statement;
+    }
+}
+
 void words_each(const struct lang *l, void (*see)(void *arg, const struct word *w), void *arg)
 {
     for (size_t i = 0; i < l->n_word; i++)

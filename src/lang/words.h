@@ -60,6 +60,8 @@ struct word {
 void words_init(struct lang *l);            /* interns all of them: name->word */
 const struct word *word_find(const struct lang *l, const char *text);   /* NULL: not reserved */
 bool word_is(const struct word *w, const char *text);
+/* Can the { } of next never stand right in those of around?  NULL: nothing is known. */
+bool word_shuts_out(const struct word *around, const struct word *next);
 void words_each(const struct lang *l, void (*see)(void *arg, const struct word *w), void *arg);
 
 #endif
