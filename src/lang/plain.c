@@ -140,7 +140,7 @@ static struct ast *block(struct attempt *a, struct name *name, char *begin)
 
     a->around = name->word;
     if (++a->depth > DEEPEST || p->n_open + a->depth > p->lang->limits->nesting || !items(a, list)
-        || is_askew(p, brace, a->at))
+        || (a->at[-1] <= ' ' && is_askew(p, brace, a->at)))
         return NULL;
     a->around = around;
     a->depth--;

@@ -288,7 +288,7 @@ bool word_shuts_out(const struct word *around, const struct word *next)
 {
     if (!around || !around->block || !next->block)
         return false;
-    bool statement = next->block->use || word_is(next, "global_settings");
+    bool statement = next->block->use || next->block->makes == VALUE_NONE;
     switch (around->block->makes) {
     case VALUE_OBJECT: return statement && !is_group(around);
     case VALUE_TEXTURE: case VALUE_NORMAL: case VALUE_DENSITY:
