@@ -25,7 +25,7 @@ const struct field light_fields[] = {
     { "area_light", FIELD_CUSTOM, MEMBER(is_area), ANY, "a grid of lights: two axes, two counts" },
     { "adaptive", FIELD_INT, MEMBER(adaptive), ANY, "how finely an area light is always sampled" },
     { "jitter", FIELD_FLAG, MEMBER(jitter), ANY,
-      "lights of the grid move at random", "jitter of area lights" },
+      "lights of the grid move at random" },
     { "circular", FIELD_FLAG, MEMBER(circular), ANY, "the grid is a disc" },
     { "orient", FIELD_FLAG, MEMBER(orient), ANY, "the grid turns to what it lights" },
     { "area_illumination", FIELD_FLAG, MEMBER(area_illumination), ANY,

@@ -113,6 +113,48 @@ void compare(struct arena *mem, const struct bitmap *a, const struct bitmap *b, 
     out->ssim = out->largest > 0 ? compare_ssim(mem, a, b) : 1;
 }
 
+/* ---- noise ---- */
+
+static double mean_of(const struct bitmap *b)
+{
+    double sum = 0;
+
+    for (unsigned y = 0; y < b->height; y++)
+        for (unsigned x = 0; x < b->width; x++)
+            sum += grey(b, x, y);
+    return sum / ((double)b->width * b->height);
+}
+
+static double spread_of(const struct bitmap *b)
+{
+    double squares = 0;
+
+    for (unsigned y = 0; y < b->height; y++)
+        for (unsigned x = 1; x < b->width; x++) {
+            double d = grey(b, x, y) - grey(b, x - 1, y);
+            squares += d * d;
+        }
+    return b->width > 1 ? sqrt(squares / ((b->width - 1.0) * b->height)) : 0;
+}
+
+void compare_noise(const struct bitmap *a, const struct bitmap *b, struct likeness *out)
+{
+    *out = (struct likeness) { { mean_of(a), mean_of(b) }, { spread_of(a), spread_of(b) } };
+}
+
+static double apart(const double v[2])
+{
+    return v[0] == v[1] ? 0 : 100 * fabs(v[0] - v[1]) / fmax(v[0], v[1]);
+}
+
+double likeness_apart(const struct likeness *l) { return fmax(apart(l->mean), apart(l->spread)); }
+
+const char *likeness_text(struct arena *mem, const struct likeness *l)
+{
+    return arena_format(mem, "mean %.2f and %.2f, %.2g%% apart; spread %.3f and %.3f, %.2g%% apart", l->mean[0],
+                        l->mean[1], apart(l->mean), l->spread[0], l->spread[1], apart(l->spread));
+}
+
 bool compare_write_difference(struct arena *mem, const struct bitmap *a, const struct bitmap *b,
                               double amplify, const char *path, const char **error)
 {

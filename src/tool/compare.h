@@ -22,6 +22,14 @@ struct comparison {
 void compare(struct arena *mem, const struct bitmap *a, const struct bitmap *b, double threshold,
              struct comparison *out);
 
+/* What two pictures of the same noise have in common, however it falls: the
+ * mean, and the spread (of neighbours in a row: the root of the mean square of
+ * their difference), of the grey pictures in levels of 255. */
+struct likeness { double mean[2], spread[2]; };
+void compare_noise(const struct bitmap *a, const struct bitmap *b, struct likeness *out);
+double likeness_apart(const struct likeness *l);     /* percent, the larger of both */
+const char *likeness_text(struct arena *mem, const struct likeness *l);
+
 /* Writes |a - b| * amplify as a picture. */
 bool compare_write_difference(struct arena *mem, const struct bitmap *a, const struct bitmap *b,
                               double amplify, const char *path, const char **error);

@@ -17,12 +17,14 @@ static const double amplify = 16;       /* a level that the eye would miss is se
 struct request {
     const char *a, *b, *difference;
     double most_differ, threshold;
+    double most_apart;                  /* percent, of noise; below 0: pixels are compared */
 };
 
 static const char usage[] =
     "usage: rtc-compare [options] A.png B.png\n"
     "  --max-differ PERCENT   exit 1 when more pixels differ (default 0)\n"
     "  --threshold LEVELS     a pixel differs beyond this in a channel (default 2 of 255)\n"
+    "  --noise PERCENT        compare mean and spread instead; exit 1 when further apart\n"
     "  --diff FILE.png        write the difference, 16 times amplified\n"
     "  --help                 this text\n";
 
@@ -42,6 +44,7 @@ static bool read_arguments(int argc, char **argv, struct request *r)
     static const struct option options[] = {
         { "diff", required_argument, NULL, 'd' },
         { "max-differ", required_argument, NULL, 'm' },
+        { "noise", required_argument, NULL, 'n' },
         { "threshold", required_argument, NULL, 't' },
         { "help", no_argument, NULL, 'h' },
         { NULL, 0, NULL, 0 },
@@ -53,6 +56,8 @@ static bool read_arguments(int argc, char **argv, struct request *r)
             r->difference = optarg;
         else if (c == 'm')
             good = number(optarg, "--max-differ", 100, &r->most_differ);
+        else if (c == 'n')
+            good = number(optarg, "--noise", 100, &r->most_apart);
         else if (c == 't')
             good = number(optarg, "--threshold", 255, &r->threshold);
         else if (c == 'h') {
@@ -81,6 +86,15 @@ static bool read_picture(struct arena *mem, const char *path, struct bitmap *out
     return false;
 }
 
+static int print_noise(struct arena *mem, const struct bitmap *a, const struct bitmap *b, double most)
+{
+    struct likeness l;
+
+    compare_noise(a, b, &l);
+    printf("%s\n", likeness_text(mem, &l));
+    return likeness_apart(&l) > most ? OVER_LIMIT : EXIT_OK;
+}
+
 static int compare_files(struct arena *mem, const struct request *r)
 {
     struct bitmap a, b;
@@ -94,6 +108,8 @@ static int compare_files(struct arena *mem, const struct request *r)
                 r->b, b.width, b.height);
         return EXIT_USAGE;
     }
+    if (r->most_apart >= 0)
+        return print_noise(mem, &a, &b, r->most_apart);
     compare(mem, &a, &b, r->threshold, &c);
     printf("%s\n", compare_text(mem, &c));
     if (r->difference && !compare_write_difference(mem, &a, &b, amplify, r->difference, &error)) {
@@ -105,7 +121,7 @@ static int compare_files(struct arena *mem, const struct request *r)
 
 int main(int argc, char **argv)
 {
-    struct request r = { .most_differ = 0, .threshold = 2 };
+    struct request r = { .most_differ = 0, .threshold = 2, .most_apart = -1 };
     struct arena mem;
 
     if (!read_arguments(argc, argv, &r))

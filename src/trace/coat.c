@@ -5,6 +5,7 @@
 
 #include "math/kernel.h"
 #include "math/vmath.h"
+#include "trace/grain.h"
 #include "trace/shadow.h"
 
 static const float no_light = 1e-10f;   /* POV-Ray takes less for none */
@@ -155,21 +156,6 @@ KERNEL static void scatter(int n, const float *restrict power, const float *rest
         out[i] = power[i] * much[i] * opaque[i];
 }
 
-/* A repeatable number in 0..1 for a point, whatever order points come in. */
-static float grain(const struct batch *b, int i, uint32_t lamp)
-{
-    uint64_t bits[3] = { 0 };
-    uint64_t h = 0x9e3779b97f4a7c15 * (lamp + 1);
-    const double at[] = { b->at.x[i], b->at.y[i], b->at.z[i] };
-
-    memcpy(bits, at, sizeof bits);
-    for (int k = 0; k < 3; k++) {
-        h = (h ^ bits[k]) * 0xbf58476d1ce4e5b9;
-        h ^= h >> 29;
-    }
-    return (float)(h >> 40) / (float)(1 << 24);
-}
-
 static void diffuse_light(const struct batch *b, const struct coat *c, const struct arrival *a,
                           uint32_t lamp, float *out)
 {
@@ -182,7 +168,7 @@ static void diffuse_light(const struct batch *b, const struct coat *c, const str
         vmath_pow(whole(b->at.n), level, c->gloss->brilliance, power);
     scatter(b->at.n, is_lambert ? level : power, a->scatter, c->opaque, out);
     for (int i = 0; c->gloss->crand != 0 && i < b->at.n; i++)
-        out[i] -= grain(b, i, lamp) * c->gloss->crand;
+        out[i] -= grain_at(vec(b->at.x[i], b->at.y[i], b->at.z[i]), lamp) * c->gloss->crand;
 }
 
 /* The mirrored ray against the light. */

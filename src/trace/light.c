@@ -11,7 +11,7 @@ struct lamp lamp_of(const struct light *l)
 
     return (struct lamp) {
         .kind = l->kind, .centre = l->centre,
-        .axis = vec_unit(vec_sub(l->point_at, l->centre)), .colour = l->colour,
+        .target = l->point_at, .axis = vec_unit(vec_sub(l->point_at, l->centre)), .colour = l->colour,
         .cos_radius = (float)cos(l->radius * degree),
         .cos_falloff = (float)cos(l->falloff * degree),
         .tightness = (float)l->tightness, .radius = l->radius, .falloff = l->falloff,
@@ -128,26 +128,28 @@ void lamp_beams(const struct lamp *l, int n, const double *x, const double *y, c
             b->share[i] = 1;
 }
 
-/* Sample i, j of an area light (4.3); to_light: unit, from the point to the centre. */
-vec3 lamp_area_point(const struct lamp *l, vec3 to_light, int i, int j)
+void lamp_area_axes(const struct lamp *l, vec3 to_light, vec3 axis[2])
 {
-    vec3 axis1 = l->area.axis1, axis2 = l->area.axis2;
-    double u = l->area.n1 > 1 ? (double)i / (l->area.n1 - 1) - 0.5 : 0;
-    double v = l->area.n2 > 1 ? (double)j / (l->area.n2 - 1) - 0.5 : 0;
+    axis[0] = l->area.axis1;
+    axis[1] = l->area.axis2;
+    if (!l->area.orient)
+        return;
+    double length = vec_length(l->area.axis1);
+    vec3 side = fabs(fabs(to_light.z) - 1) < 0.01 ? vec(0, 1, 0) : vec(0, 0, 1);
+    axis[0] = vec_unit(vec_cross(to_light, side));
+    axis[1] = vec_scale(vec_unit(vec_cross(to_light, axis[0])), length);
+    axis[0] = vec_scale(axis[0], length);
+}
 
-    if (l->area.orient) {
-        double length = vec_length(axis1);
-        vec3 side = fabs(fabs(to_light.z) - 1) < 0.01 ? vec(0, 1, 0) : vec(0, 0, 1);
-        axis1 = vec_unit(vec_cross(to_light, side));
-        axis2 = vec_scale(vec_unit(vec_cross(to_light, axis1)), length);
-        axis1 = vec_scale(axis1, length);
-    }
-    if (l->area.circular && l->area.n1 > 1 && l->area.n2 > 1) {
-        u += 0.001;
-        v += 0.001;
-        double k = fmax(fabs(u), fabs(v)) / sqrt(u * u + v * v);
-        u *= k;
-        v *= k;
-    }
-    return vec_fma(vec_fma(l->centre, u, axis1), v, axis2);
+void lamp_area_spot(const struct lamp *l, double i, double j, double *u, double *v)
+{
+    *u = l->area.n1 > 1 ? i / (l->area.n1 - 1) - 0.5 : 0;
+    *v = l->area.n2 > 1 ? j / (l->area.n2 - 1) - 0.5 : 0;
+    if (!l->area.circular || l->area.n1 <= 1 || l->area.n2 <= 1)
+        return;
+    *u += 0.001;
+    *v += 0.001;
+    double k = fmax(fabs(*u), fabs(*v)) / sqrt(*u * *u + *v * *v);
+    *u *= k;
+    *v *= k;
 }

@@ -10,7 +10,8 @@
 struct lamp {
     enum light_kind kind;
     vec3 centre;
-    vec3 axis;                          /* unit, from the light to point_at */
+    vec3 target;                        /* point_at */
+    vec3 axis;                          /* unit, from the light to there */
     rgb colour;
     float cos_radius, cos_falloff;      /* of a spotlight */
     float tightness;
@@ -31,7 +32,10 @@ struct beams {
 void lamp_beams(const struct lamp *l, int n, const double *x, const double *y, const double *z,
                 struct beams *out);
 
-/* Where shadow rays go: the lamp's centre, or for a parallel light its plane. */
-vec3 lamp_area_point(const struct lamp *l, vec3 to_light, int i, int j);
+/* Of an area light (4.3): its axes as they are for a point (to_light: unit, from
+ * there to the centre), and where sample i, j lies along them
+ * (between samples, too: what is moved by jitter). */
+void lamp_area_axes(const struct lamp *l, vec3 to_light, vec3 axis[2]);
+void lamp_area_spot(const struct lamp *l, double i, double j, double *u, double *v);
 
 #endif

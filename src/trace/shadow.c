@@ -1,10 +1,9 @@
 /* shadow.c: how much of a lamp's light comes through (facts shading.md 4.3, 4.6). */
 #include "trace/shadow.h"
 
-#include <string.h>
+#include "trace/area.h"
 
-/* A lamp that stands exactly on a surface is not shadowed by it. */
-static const double nearly = 1 - 1e-9;
+#include <string.h>
 
 /* Below this POV-Ray takes light for none. */
 static const float no_light = 1e-10f;
@@ -135,14 +134,6 @@ static bool pass(void *arg, const struct meeting *m)
     return rgb_max(p->light) > no_light;
 }
 
-/* Starts outside of the surface's error bound, on the side that the light is on. */
-static struct ray shadow_ray(const struct shadow_query *q, vec3 direction)
-{
-    double off = copysign(q->slack, vec_dot(q->normal, direction));
-
-    return (struct ray) { vec_fma(q->point, off, q->normal), direction };
-}
-
 /* Programs in their order, whatever the order of the crossings. */
 static rgb tallied(struct worker *w, struct ray ray, double far, uint32_t lamp, uint64_t barrier)
 {
@@ -171,80 +162,6 @@ static rgb filtered(struct worker *w, uint32_t inside, struct ray ray, double fa
     return is_open ? p.light : rgb_of(0, 0, 0);
 }
 
-static rgb along(struct worker *w, const struct shadow_query *q, vec3 direction, double far)
-{
-    struct ray ray = shadow_ray(q, direction);
-
-    if (!(far > 0))
-        return rgb_of(1, 1, 1);
-    if (w->plan->has_transparency)
-        return filtered(w, q->inside, ray, far * nearly, q->lamp, BARRIER_ANY);
-    return geometry_blocked(w->plan, w->scratch, ray, far * nearly, q->lamp) ? rgb_of(0, 0, 0)
-                                                                             : rgb_of(1, 1, 1);
-}
-
-/* ---- area lights: a grid of samples, looked at where they differ ---- */
-
-struct grid {
-    struct worker *w;
-    const struct shadow_query *q;
-    const struct lamp *lamp;
-    rgb *sample;
-};
-
-static rgb grid_sample(const struct grid *g, int i, int j)
-{
-    rgb *one = &g->sample[i * g->lamp->area.n2 + j];
-
-    if (one->r >= 0)
-        return *one;
-    vec3 p = lamp_area_point(g->lamp, g->q->direction, i, j);
-    vec3 way = vec_sub(p, g->q->point);
-    *one = along(g->w, g->q, vec_unit(way), vec_length(way));
-    return *one;
-}
-
-static bool differ(const struct grid *g, rgb a, rgb b)
-{
-    rgb c = g->lamp->colour;
-
-    return fabsf((a.r - b.r) * c.r) + fabsf((a.g - b.g) * c.g) + fabsf((a.b - b.b) * c.b) > 0.1f;
-}
-
-static rgb mean(const rgb c[4])
-{
-    return rgb_scale(rgb_add(rgb_add(c[0], c[1]), rgb_add(c[2], c[3])), 0.25f);
-}
-
-struct patch { int u1, v1, u2, v2; };
-
-static rgb patch_light(const struct grid *g, struct patch p, int level)
-{
-    rgb c[4] = { grid_sample(g, p.u1, p.v1), grid_sample(g, p.u2, p.v1),
-                 grid_sample(g, p.u2, p.v2), grid_sample(g, p.u1, p.v2) };
-    bool fine = p.u2 - p.u1 <= 1 && p.v2 - p.v1 <= 1;
-
-    if (fine || !(level < g->lamp->area.adaptive || differ(g, c[0], c[1]) || differ(g, c[1], c[2])
-                  || differ(g, c[2], c[3]) || differ(g, c[3], c[0])))
-        return mean(c);
-    int ulow = (p.u1 + p.u2) / 2, uhigh = (p.u1 + p.u2 + 1) / 2;
-    int vlow = (p.v1 + p.v2) / 2, vhigh = (p.v1 + p.v2 + 1) / 2;
-    const struct patch quarter[] = { { p.u1, p.v1, ulow, vlow }, { uhigh, p.v1, p.u2, vlow },
-                                     { uhigh, vhigh, p.u2, p.v2 }, { p.u1, vhigh, ulow, p.v2 } };
-    for (int k = 0; k < 4; k++)
-        c[k] = patch_light(g, quarter[k], level + 1);
-    return mean(c);
-}
-
-static rgb area_through(struct worker *w, const struct shadow_query *q, const struct lamp *l)
-{
-    struct grid g = { w, q, l, w->grid };
-
-    for (int i = 0; i < l->area.n1 * l->area.n2; i++)
-        g.sample[i].r = -1;
-    return patch_light(&g, (struct patch) { 0, 0, l->area.n1 - 1, l->area.n2 - 1 }, 0);
-}
-
 /* ---- many points, one lamp ---- */
 
 /* As shadow_ray, for all points of the batch.  A ray of no length meets nothing. */
@@ -260,7 +177,7 @@ KERNEL static void leave(const struct points *restrict p, const struct beams *re
         r->dx[i] = beam->dx[i];
         r->dy[i] = beam->dy[i];
         r->dz[i] = beam->dz[i];
-        r->far[i] = beam->far[i] > 0 ? beam->far[i] * nearly : 0;
+        r->far[i] = beam->far[i] > 0 ? beam->far[i] * shadow_nearly : 0;
     }
 }
 
@@ -276,17 +193,6 @@ static void keep_wanted(struct shadow_rays *r, int n, const uint16_t at[])
         r->dz[k] = r->dz[i];
         r->far[k] = r->far[i];
     }
-}
-
-static struct shadow_query query_of(const struct worker *w, const struct batch *b,
-                                    const struct beams *beam, uint32_t lamp, int i)
-{
-    const struct points *p = &b->at;
-
-    return (struct shadow_query) {
-        vec(p->x[i], p->y[i], p->z[i]), vec(p->nx[i], p->ny[i], p->nz[i]),
-        vec(beam->dx[i], beam->dy[i], beam->dz[i]), p->slack[i], lamp,
-        w->now.inside[p->index[i]] };
 }
 
 static void put(struct lit *out, int i, rgb c)
@@ -365,45 +271,49 @@ static void put_counted(const struct plan *p, struct counted *c, struct lit *out
 
 /* ---- a batch ---- */
 
-static void straight_through(struct worker *w, const struct batch *b, const struct beams *beam,
-                             uint32_t lamp, int n, const uint16_t at[], struct lit *out)
+void shadow_rays_pass(struct worker *w, const struct batch *b, uint32_t lamp, int n, const uint16_t at[],
+                      struct lit *out)
 {
     struct shadow_rays *r = &w->shadow_rays;
     const struct rays rays = { n, r->x, r->y, r->z, r->dx, r->dy, r->dz };
     struct counted counted;             /* large: what is not used stays as it is */
 
-    leave(&b->at, beam, r);
-    if (n < b->at.n)
-        keep_wanted(r, n, at);
     geometry_blocked_many(w->plan, w->scratch, &rays, r->far, lamp, r->barrier);
     counted.n = 0;
     for (int k = 0; k < n; k++) {
         uint64_t barrier = r->barrier[k];
         const unsigned *count = barrier == 0 ? NULL : geometry_tallied(w->scratch, barrier);
         float open = barrier == 0 ? 1 : 0;
-        put(out, at[k], rgb_of(open, open, open));
+        put(out, k, rgb_of(open, open, open));
         if (count)
-            counted_add(&counted, w->plan->n_tally, count, at[k]);
+            counted_add(&counted, w->plan->n_tally, count, (uint16_t)k);
         else if (barrier != 0 && barrier != BARRIER_OPAQUE)
-            put(out, at[k], behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
+            put(out, k, behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
     }
     if (counted.n)
         put_counted(w->plan, &counted, out);
 }
 
+static void straight_through(struct worker *w, const struct batch *b, const struct beams *beam,
+                             uint32_t lamp, int n, const uint16_t at[], struct lit *out)
+{
+    struct lit through;
+
+    leave(&b->at, beam, &w->shadow_rays);
+    if (n < b->at.n)
+        keep_wanted(&w->shadow_rays, n, at);
+    shadow_rays_pass(w, b, lamp, n, at, &through);
+    for (int k = 0; k < n; k++)
+        put(out, at[k], rgb_of(through.r[k], through.g[k], through.b[k]));
+}
+
 static void look(struct worker *w, const struct batch *b, const struct beams *beam, uint32_t lamp,
                  int n, const uint16_t at[], struct lit *out)
 {
-    const struct lamp *l = &w->shader->lamp[lamp];
-
-    if (!l->is_area) {
+    if (w->shader->lamp[lamp].is_area)
+        area_through(w, b, beam, lamp, n, at, out);
+    else
         straight_through(w, b, beam, lamp, n, at, out);
-        return;
-    }
-    for (int k = 0; k < n; k++) {
-        struct shadow_query q = query_of(w, b, beam, lamp, at[k]);
-        put(out, at[k], area_through(w, &q, l));
-    }
 }
 
 /* ---- known from another layer ---- */

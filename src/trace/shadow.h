@@ -4,19 +4,18 @@
 
 #include "trace/shade.h"
 
-/* From a point with this viewer-facing normal, of a ray inside these interiors;
- * direction: to the lamp, as lamp_beams says. */
-struct shadow_query {
-    vec3 point, normal, direction;
-    double slack;
-    uint32_t lamp, inside;
-};
-
 /* What gets through of a lamp's light to the points at[0..n) of a batch; 1:
  * all of it.  0 at other points. */
 struct lit { float r[BATCH], g[BATCH], b[BATCH]; };
 void shadow_through(struct worker *w, const struct batch *b, const struct beams *beam,
                     uint32_t lamp, int n, const uint16_t at[], struct lit *out);
+
+/* A lamp that stands exactly on a surface is not shadowed by it: of the way to it. */
+static const double shadow_nearly = 1 - 1e-9;
+
+/* The same along the worker's n shadow_rays, the k-th from the point at[k]; out: of ray k. */
+void shadow_rays_pass(struct worker *w, const struct batch *b, uint32_t lamp, int n, const uint16_t at[],
+                      struct lit *out);
 
 /* Before a batch of n points that will be lit more than once. */
 void shadow_forget(struct worker *w, int n);

@@ -36,7 +36,7 @@ void worker_init(struct worker *w, const struct plan *p)
     insides_init(&w->insides);
     w->shadows.known = arena_array(&w->mem, n_shadow, sizeof *w->shadows.known);
     w->shadows.through = arena_array(&w->mem, n_shadow, sizeof *w->shadows.through);
-    w->grid = arena_array(&w->mem, (size_t)largest_grid(p->shader), sizeof *w->grid);
+    area_room_init(&w->area, largest_grid(p->shader), &w->mem);
     w->start = arena_array(&w->mem, (size_t)p->shader->n_group + 1, sizeof *w->start);
     w->camera_inside = w->lens.fixed_origin ? worker_insides_at(w, w->lens.location) : 0;
     w->n_camera_inside = w->insides.n;

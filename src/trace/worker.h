@@ -20,6 +20,16 @@ struct shadow_rays {
     uint64_t barrier[BATCH];
 };
 
+/* What area lights work with: area.c. */
+struct area_room {
+    struct area_spot *spot;             /* of each sample of a lamp */
+    struct area_wanted { uint64_t by[BATCH / 64]; } *wanted;   /* of each: by which points */
+    uint8_t *state;                     /* [point * samples + sample] */
+    rgb *colour;
+};
+
+void area_room_init(struct area_room *r, int n_sample, struct arena *mem);
+
 /* The number of a ray that met something, and of what is shaded together with it. */
 struct wave_hit { uint32_t ray, group; };
 
@@ -44,7 +54,7 @@ struct worker {
     int room_hits;
     struct shadows shadows;
     struct shadow_rays shadow_rays;
-    rgb *grid;                          /* an area light's samples; r < 0: not known yet */
+    struct area_room area;
     struct mirror_layer *mirror;        /* of the layers of a program */
     int room_mirror;
     struct render_counts counts;
