@@ -207,7 +207,9 @@ static int render_rows(struct run *r, const struct plan *plan, struct picture *p
     ro->threads = threads(r->o);
     ro->stop = stop_flag;
     progress_start(&p->progress, stderr, !r->o->quiet);
+    stop_while_tracing(true);
     bool whole = r->engine->render(plan, ro, &r->stats.render);
+    stop_while_tracing(false);
     progress_end(&p->progress);
     r->stats.write = p->write_seconds;
     /* A frame that lacks rows would be taken for a whole one by --resume. */

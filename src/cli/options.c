@@ -1,6 +1,7 @@
 /* options.c: rtc's own options, a row each. */
 #include "cli/options.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -155,8 +156,10 @@ static bool read_bytes(struct options *o, const struct option *row, const char *
         if (*end == 'B' || *end == 'b')
             end++;
     }
-    if (end == value || *end || !(n >= row->low && n <= row->high))
+    if (end == value || *end || isnan(n))
         return option_error("%s: not a size such as 500M or 8G: '%s'", said, value);
+    if (!(n >= row->low && n <= row->high))
+        return option_error("%s: %s is not between %.0f and %.0f bytes", said, value, row->low, row->high);
     *(size_t *)member(o, row) = (size_t)n;
     return true;
 }
@@ -355,15 +358,15 @@ static const struct option table[] = {
     { "allow-read", 0, "DIR", read_list, AT(allow_read), 0, 0, "a scene may read files here too; repeatable" },
     { "allow-write", 0, "DIR", read_list, AT(allow_write), 0, 0, "a scene may write files here; repeatable" },
     { "max-memory", 0, "SIZE", read_bytes, LIMIT(memory), 1 << 20, MOST_BYTES, "for scene and plan (default 8G)" },
-    { "max-iterations", 0, "N", read_real, LIMIT(iterations), 1, 1e300, "rounds of all loops (default 1e9)" },
+    { "max-iterations", 0, "N", read_real, LIMIT(iterations), 1, 1e300, "rounds of loops, macro calls, included files (default 1e9)" },
     { "max-nesting", 0, "N", read_count, LIMIT(nesting), 1, 100000, "blocks in each other (default 1000)" },
     { "max-include-depth", 0, "N", read_count, LIMIT(include_depth), 1, 1000, "files in each other (default 32)" },
     { "max-call-depth", 0, "N", read_count, LIMIT(call_depth), 1, 10000, "macro calls in each other (default 98)" },
     { "max-csg-depth", 0, "N", read_count, LIMIT(csg_depth), 1, 10000, "objects in each other (default 1000)" },
     { "max-trace-depth", 0, "N", read_count, LIMIT(trace_depth), 1, 256, "the highest max_trace_level (default 256)" },
-    { "max-array-items", 0, "N", read_amount, LIMIT(array_items), 1, MOST_BYTES, "of all dimensions of one array" },
+    { "max-array-items", 0, "N", read_amount, LIMIT(array_items), 1, MOST_BYTES, "of all dimensions of one array (default 268435456)" },
     { "max-string", 0, "SIZE", read_bytes, LIMIT(string_bytes), 1, MOST_BYTES, "bytes of one string (default 64M)" },
-    { "max-source", 0, "SIZE", read_bytes, LIMIT(source_bytes), 1, MOST_BYTES, "bytes of one source file (default 1G)" },
+    { "max-source", 0, "SIZE", read_bytes, LIMIT(source_bytes), 1, INT_MAX, "bytes of one source file (default 1G)" },
     { "isa", 0, "baseline|v3|v4", read_text, AT(isa), 0, 0, "the instruction set to use (default: the best there is)" },
     { "list-words", 0, NULL, print_words, 0, 0, 0, "print all reserved words and what they are" },
     { "help", 'h', NULL, print_help, 0, 0, 0, "print this text" },

@@ -8,7 +8,11 @@
 
 #include "base/limits.h"
 
-static volatile sig_atomic_t stopping, has_rows, has_temporary;
+/* Seconds.  Who traces looks for a stop often, but a scene's function may take for ever at
+ * one point. */
+enum { PATIENCE = 6 };
+
+static volatile sig_atomic_t stopping, has_rows, has_temporary, is_tracing;
 static char temporary_path[PATH_MAX];
 const volatile sig_atomic_t *const stop_flag = &stopping;
 
@@ -21,10 +25,11 @@ void stop_now(int status)
 
 static void on_signal(int number)
 {
-    (void)number;
-    if (!has_rows || stopping)
+    if (number == SIGALRM || !has_rows || stopping)
         stop_now(EXIT_INTERRUPTED);
     stopping = 1;
+    if (is_tracing)
+        alarm(PATIENCE);
 }
 
 /* A reader that went away is a write error like any other. */
@@ -34,6 +39,7 @@ void stop_install(void)
 
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_IGN);
 }
 
@@ -45,6 +51,13 @@ void stop_begin_rows(const char *temporary)
         has_temporary = 1;
     }
     has_rows = 1;
+}
+
+void stop_while_tracing(bool traces)
+{
+    is_tracing = traces;
+    if (!traces)
+        alarm(0);
 }
 
 void stop_end_rows(void)

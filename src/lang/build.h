@@ -141,6 +141,7 @@ struct patterned {
     double amount, accuracy;            /* of normals */
     bool no_bump_scale, uv_mapping;
     const char *word;                   /* the pattern's */
+    struct nest nest;                   /* of the pattern's function */
     const char *unsupported;            /* NULL, or what the picture cannot show yet */
 };
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "lang/build.h"
+#include "lang/code.h"
 #include "lang/colour.h"
 #include "lang/function.h"
 
@@ -429,6 +430,14 @@ static void read_unsupported(struct reader *r, struct patterned *p, const struct
         read_list(r, p, s->n_list);
 }
 
+static void take_function(struct lang *l, const struct item *i, struct patterned *p,
+                          const struct function *f)
+{
+    p->nest = (struct nest) { 0 };
+    nest_add(&p->nest, f->nest);
+    function_as_pattern(l, i->at, f, (void *)p->use.self, &p->unsupported);
+}
+
 /* The brightness of a pigment is a function like others. */
 static void read_pigment_pattern(struct reader *r, struct patterned *p, const struct item *i)
 {
@@ -441,8 +450,7 @@ static void read_pigment_pattern(struct reader *r, struct patterned *p, const st
     }
     pigment = build_pigment(l, i, l->build->texture->pigment);
     read_row(r, p, pattern_find("function"));
-    function_as_pattern(l, i->at, function_of_grey(l, pigment, i->at), (void *)p->use.self,
-                        &p->unsupported);
+    take_function(l, i, p, function_of_grey(l, pigment, i->at));
 }
 
 /* The same pattern may have had a map from an identifier: it stays. */
@@ -458,7 +466,7 @@ static void read_pattern(struct reader *r, struct patterned *p, const struct ite
     if (ops)
         read_row(r, p, ops);
     if (i->kind == ITEM_VALUE)
-        function_as_pattern(r->lang, i->at, i->value.thing, (void *)p->use.self, &p->unsupported);
+        take_function(r->lang, i, p, i->value.thing);
     else if (item_is(i, "pigment_pattern"))
         read_pigment_pattern(r, p, i);
     else if (!ops)

@@ -62,6 +62,16 @@ static const struct pattern_use *use_of(struct lang *l, enum pigment_kind kind,
     return use;
 }
 
+static struct nest nest_of(const struct patterned *p)
+{
+    struct nest nest = p->nest;
+
+    for (size_t i = 0; i < p->map.n; i++)
+        if (p->map.entry[i].pigment)
+            nest_add(&nest, p->map.entry[i].pigment->nest);
+    return nest;
+}
+
 /* said: what is kept of p for good. */
 static const struct pigment *new_pigment(struct lang *l, const struct patterned *p,
                                          const struct patterned *said)
@@ -78,6 +88,7 @@ static const struct pigment *new_pigment(struct lang *l, const struct patterned 
     pigment->image = &said->image;
     pigment->place = &said->place;
     pigment->uv_mapping = p->uv_mapping;
+    pigment->nest = nest_of(p);
     pigment->said = said;
     pigment->unsupported = p->unsupported;
     bool shown = !p->unsupported && (pigment->kind != PIGMENT_IMAGE || p->image.image)
@@ -134,7 +145,9 @@ static const struct pigment *read_pigment(struct reader *r, const struct item *b
     build_patterned(r, &p, block);
     if (fresh && errors == r->lang->diag->errors && p.kind == PATTERNED_NONE && type == VALUE_PIGMENT && block && !p.has_quick_colour)
         diag_warning(r->lang->diag, block->at, "this pigment has no colour or pattern: it is black");
-    return to_pigment(r->lang, &p);
+    const struct pigment *made = to_pigment(r->lang, &p);
+    lang_may_nest(r->lang, block ? block->at : r->brace, &made->nest);
+    return made;
 }
 
 const struct pigment *build_pigment_body(struct reader *r, const struct item *block,

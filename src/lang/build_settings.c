@@ -110,7 +110,7 @@ static void read_trace_level(struct reader *r)
     double most = l->limits && l->limits->trace_depth > 0 ? l->limits->trace_depth : 256;
 
     if (n > most || n < 1)
-        diag_warning(l->diag, at, "max_trace_level is 1 to %g: taken as %g", most,
+        diag_warning(l->diag, at, "max_trace_level is at least 1 and at most %g: taken as %g", most,
                      n < 1 ? 1 : most);
     l->scene->settings.max_trace_level = (int)fmin(fmax(n, 1), most);
 }

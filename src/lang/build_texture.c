@@ -238,6 +238,18 @@ static const struct texture *plain(struct reader *r, const struct texture *from)
     return end_layers(r->lang, bottom, &single);
 }
 
+/* With all layers of each entry. */
+static struct nest nest_of(struct nest nest, const struct map_entry *entry, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (const struct texture *t = entry[i].texture; t; t = t->above) {
+            nest_add(&nest, t->nest);
+            if (t->pigment)
+                nest_add(&nest, t->pigment->nest);
+        }
+    return nest;
+}
+
 static const struct texture *patterned(struct reader *r, const struct item *block)
 {
     struct patterned p = patterned_new(VALUE_TEXTURE);
@@ -248,8 +260,10 @@ static const struct texture *patterned(struct reader *r, const struct item *bloc
     t->pattern = arena_copy(r->lang->scene_mem, &p.use, sizeof p.use);
     t->entry = (struct map_entry *)p.map.entry;
     t->n_entry = p.map.n;
+    t->nest = nest_of(p.nest, p.map.entry, p.map.n);
     t->place = arena_copy(r->lang->scene_mem, &p.place, sizeof p.place);
     t->uv_mapping = p.uv_mapping;
+    lang_may_nest(r->lang, block ? block->at : r->brace, &t->nest);
     if (p.unsupported || p.map.n == 0) {    /* the first entry stands for all */
         *t = p.map.n > 0 ? *p.map.entry[0].texture : *r->lang->build->texture;
         t->unsupported = p.unsupported;
@@ -304,6 +318,8 @@ static const struct texture *tiles(struct reader *outer, const struct item *bloc
     t->pattern = arena_copy(l->scene_mem, &checker, sizeof checker);
     t->entry = e;
     t->n_entry = 2;
+    t->nest = nest_of(t->nest, e, 2);
+    lang_may_nest(l, block->at, &t->nest);
     return checker.ops ? t : e[1].texture;
 }
 

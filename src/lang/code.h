@@ -49,6 +49,7 @@ struct function {
     const struct internal *internal;
     const int *noise_generator;         /* the scene's */
     struct octave_weights *weights;     /* what its first call leaves behind */
+    struct nest nest;
     const char *unsupported;            /* not NULL: it cannot be called, for what it needs */
     struct loc at;
 };

@@ -817,6 +817,11 @@ bool macro_call(struct lang *l, const struct ast *call)
         l->stopped = true;
         return false;
     }
+    if (lang_stack_is_low(l)) {
+        lang_limit(l, call->at, "macro '%s' calls are nested too deeply for the system's stack "
+                   "(ulimit -s)", m->name->text);
+        return false;
+    }
     if (say_unclosed(l, call->args) || !has_macros(l, call->at) || !round_counts(l, call->at))
         return false;
     if (m->n > FEW)

@@ -444,6 +444,7 @@ static void compile_call(struct compiling *c, const struct ast *a, int component
         c->f->is_recursive |= f->is_recursive;
         if (f->unsupported)
             c->f->unsupported = f->unsupported;
+        nest_add(&c->f->nest, f->nest);
         struct code *code = emit(c, CODE_CALL, to);
         code->function = f;
         code->from = (uint16_t)(component < 0 ? 0 : component);
@@ -604,6 +605,7 @@ static void pigment_function(struct compiling *c, const struct ast *block)
     c->f->kind = FUNCTION_PIGMENT;
     c->f->n_component = 5;
     c->f->pigment = build_pigment(c->l, &i, build_of(c->l)->texture->pigment);
+    nest_add(&c->f->nest, c->f->pigment->nest);
     c->f->unsupported = pigment_unsupported(c->f->pigment);
 }
 
@@ -636,6 +638,7 @@ static void pattern_function(struct compiling *c, const struct ast *block)
     c->f->kind = FUNCTION_PATTERN;
     c->f->pattern = arena_copy(mem, &p.use, sizeof p.use);
     c->f->transform = arena_copy(mem, &p.place, sizeof p.place);
+    nest_add(&c->f->nest, p.nest);
     c->f->unsupported = p.unsupported;
 }
 
@@ -699,6 +702,8 @@ static bool internal_function(struct compiling *c, const struct ast *body)
     return true;
 }
 
+enum { REGISTERS_OF_LEVEL = 64 };       /* they stand on the stack, for many points at once */
+
 bool function_make(struct lang *l, const struct ast *node, struct value *out)
 {
     struct function *f = arena_alloc(l->scene_mem, sizeof *f);
@@ -722,7 +727,8 @@ bool function_make(struct lang *l, const struct ast *node, struct value *out)
         emit_number(&c, 0, f->n_parameter);
         f->kind = FUNCTION_CODE;
     }
-    return !c.failed;
+    f->nest.levels += (unsigned)f->n_register / REGISTERS_OF_LEVEL;
+    return lang_may_nest(l, node->at, &f->nest) && !c.failed;
 }
 
 bool function_run_counted(struct lang *l, struct loc at, const struct function *f,
@@ -795,5 +801,6 @@ const struct function *function_of_grey(struct lang *l, const struct pigment *p,
 
     *f = (struct function) { .kind = FUNCTION_GREY, .n_parameter = 3, .n_component = 1,
                              .pigment = p, .unsupported = pigment_unsupported(p), .at = at };
+    nest_add(&f->nest, p->nest);
     return f;
 }

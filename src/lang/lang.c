@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "lang/build.h"
 #include "lang/file.h"
@@ -52,6 +53,38 @@ void lang_limit(struct lang *l, struct loc at, const char *format, ...)
     va_end(args);
     diag_error(l->diag, at, "%s", text);
     l->stopped = l->limit_reached = true;
+}
+
+/* An eighth is left for what recurses less, and for the library. */
+static void measure_stack(struct lang *l)
+{
+    enum { USUAL = 8 << 20, MOST = 1 << 30 };
+    struct rlimit limit;
+    rlim_t room = getrlimit(RLIMIT_STACK, &limit) == 0 ? limit.rlim_cur : USUAL;
+
+    l->stack_base = __builtin_frame_address(0);
+    l->stack_room = room < MOST ? (size_t)room / 8 * 7 : MOST;
+}
+
+bool lang_stack_is_low(const struct lang *l)
+{
+    const char *here = __builtin_frame_address(0);
+
+    return (size_t)(here < l->stack_base ? l->stack_base - here : here - l->stack_base) > l->stack_room;
+}
+
+bool lang_may_nest(struct lang *l, struct loc at, const struct nest *n)
+{
+    const struct limits *most = l->limits;
+
+    if (n->levels > most->pattern_levels)
+        lang_limit(l, at, "patterns and functions are nested more than %u deep", most->pattern_levels);
+    else if (n->parts > most->pattern_parts)
+        lang_limit(l, at, "patterns and functions that hold each other come to more than %.0f",
+                   most->pattern_parts);
+    else
+        return true;
+    return false;
 }
 
 void lang_cannot_read(struct lang *l, struct loc at, const char *path)
@@ -137,6 +170,7 @@ struct lang *lang_new(const struct lang_setup *setup)
     l->version_given = setup->version > 0;
     names_init(&l->names, l->mem);
     words_init(l);
+    measure_stack(l);
     l->diag->context = add_context;
     l->diag->context_arg = l;
     predeclare_all(l);

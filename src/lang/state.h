@@ -75,6 +75,8 @@ struct lang {
     char *warning_line;
     size_t n_warning, room_warning;
 
+    const char *stack_base;             /* where C's stack was, ... */
+    size_t stack_room;                  /* ... and what of it may be used */
     bool guessed;                       /* trace or inside met what is not supported */
     bool skipping;                      /* on to the next block or directive of the top level */
     bool stopped;                       /* read nothing more */
@@ -118,6 +120,12 @@ const struct binding *lang_binding(const struct lang *l, const char *name);
 /* An error after which nothing more is read; the program ends with EXIT_LIMIT. */
 void lang_limit(struct lang *l, struct loc at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Values that come from macros recurse: is C's stack used up? */
+bool lang_stack_is_low(const struct lang *l);
+
+/* Not too much in each other; false: reported. */
+bool lang_may_nest(struct lang *l, struct loc at, const struct nest *n);
 
 void lang_cannot_read(struct lang *l, struct loc at, const char *path);     /* by errno */
 

@@ -46,6 +46,17 @@ struct turbulence {
     int octaves;
 };
 
+/* How much is in each other: pigments and textures in maps, functions that others call.  A
+ * declared one counts wherever it is named, so forty lines may ask for 2^40. */
+struct nest { unsigned levels; double parts; };
+
+static inline void nest_add(struct nest *around, struct nest in)
+{
+    if (around->levels < in.levels + 1)
+        around->levels = in.levels + 1;
+    around->parts += 1 + in.parts;
+}
+
 /* What stands between a point and the pattern's number, and between that
  * number and the map. */
 struct pattern_use {
@@ -98,6 +109,7 @@ struct pigment {
     size_t n_entry;
     const struct image_use *image;
     const struct transform *place;      /* texture's space from the pigment's */
+    struct nest nest;
     const char *unsupported;            /* not NULL: what cannot be shown yet; a plain colour stands for it */
     const void *said;                   /* the language's: how it was written */
 };

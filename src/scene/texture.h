@@ -22,6 +22,7 @@ struct texture {
     size_t n_entry;
     const struct transform *place;      /* the owner object's outer space from the texture's */
     const struct texture *above;        /* the next layer, or NULL */
+    struct nest nest;                   /* of one that is not plain */
     bool uv_mapping;
     const char *unsupported;            /* not NULL: what cannot be shown yet */
 };
