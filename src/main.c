@@ -280,6 +280,19 @@ static int make_frame(struct run *r)
 
 /* --- around them --------------------------------------------------------- */
 
+/* no-color.org: present, and not empty. */
+static bool is_set(const char *variable)
+{
+    const char *value = getenv(variable);
+
+    return value && *value;
+}
+
+static bool is_dumb(const char *terminal)
+{
+    return terminal && strcmp(terminal, "dumb") == 0;
+}
+
 static void start_diag(struct run *r)
 {
     const struct options *o = r->o;
@@ -287,7 +300,7 @@ static void start_diag(struct run *r)
 
     diag_init(d, &r->sources, stderr);
     d->style = o->diagnostics;
-    d->colour = isatty(STDERR_FILENO) && !getenv("NO_COLOR");
+    d->colour = isatty(STDERR_FILENO) && !is_set("NO_COLOR") && !is_dumb(getenv("TERM"));
     d->quiet = o->quiet;
     d->strict = o->strict;
     d->lint = o->lint;
@@ -359,12 +372,16 @@ static int run(struct options *o)
     }
     places_library(o);
     stop_install();
-    int status = run_all(o, engine);
-    if ((fflush(stdout) != 0 || ferror(stdout)) && status == EXIT_OK) {
-        fprintf(stderr, "rtc: error: cannot write to standard output: %s\n", strerror(errno));
-        status = EXIT_OUTPUT;
-    }
-    return status;
+    return run_all(o, engine);
+}
+
+/* What was printed may wait in a buffer. */
+static int finished(int status)
+{
+    if ((fflush(stdout) == 0 && !ferror(stdout)) || status != EXIT_OK)
+        return status;
+    fprintf(stderr, "rtc: error: cannot write to standard output: %s\n", strerror(errno));
+    return EXIT_OUTPUT;
 }
 
 int main(int argc, char **argv)
@@ -379,5 +396,5 @@ int main(int argc, char **argv)
     else if (o.task != TASK_NOTHING)
         status = run(&o);
     arena_free(&mem);
-    return status;
+    return finished(status);
 }

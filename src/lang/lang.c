@@ -126,8 +126,8 @@ static void declare_option(struct lang *l, const char *option)
     char *name = arena_text(l->mem, option, n);
 
     if (!n || word_find(l, name)) {
-        diag_error(l->diag, (struct loc) { 0 }, "'%s' cannot be declared: expected NAME=VALUE",
-                   option);
+        diag_error(l->diag, (struct loc) { 0 }, n ? "'%s' cannot be declared: the name is a reserved word"
+                   : "'%s' cannot be declared: expected NAME=VALUE", option);
         return;
     }
     size_t size = strlen(equals + 1);
