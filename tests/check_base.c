@@ -289,7 +289,7 @@ END_TEST
 static void many(struct diag *d, struct loc at)
 {
     for (int i = 0; i < 100; i++)
-        diag_error(d, at, "no %d", i);
+        diag_error(d, (struct loc) { at.source, at.begin, at.end + (uint32_t)i }, "no");
     diag_warning(d, at, "neither");
     ck_assert_uint_eq(d->errors, 100);
     ck_assert(d->full);
@@ -329,7 +329,10 @@ static void again(struct diag *d, struct loc at)
         diag_warning(d, at, "careful");
     }
     ck_assert(!d->full);
+    diag_error(d, at, "and because of that no");
     diag_error(d, (struct loc) { at.source, at.begin + 1, at.end }, "no");
+    diag_error(d, (struct loc) { at.source, at.end, at.end }, "missing }");
+    diag_error(d, (struct loc) { at.source, at.end, at.end }, "missing )");
     diag_remark(d, at, "hi");
     diag_remark(d, at, "hi");
     for (int i = 0; i < 2000; i++)
@@ -342,6 +345,7 @@ START_TEST(test_the_same_at_the_same_place_is_said_once_but_for_remarks)
     ck_assert_str_eq(said(DIAG_SHORT, again),
                      "table.pov:2:12: error: no\ntable.pov:2:12: note: here\n"
                      "table.pov:2:12: warning: careful\ntable.pov:2:13: error: no\n"
+                     "table.pov:2:17: error: missing }\ntable.pov:2:17: error: missing )\n"
                      "table.pov:2:12: warning: hi\ntable.pov:2:12: warning: hi\n");
 }
 END_TEST

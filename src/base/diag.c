@@ -11,7 +11,7 @@ enum {
     MOST_REPEATS = 1000,        /* of errors: a loop that makes the same ones over and over ends */
 };
 
-struct said { struct loc at; uint32_t hash; };
+struct said { struct loc at; uint32_t hash; bool is_error; };
 
 static const struct { const char *name, *colour; } severities[] = {
     [SEVERITY_NOTE] = { "note", "\033[1;36m" },
@@ -219,19 +219,23 @@ static uint32_t hash_of(const char *text)
     return hash;
 }
 
-/* Was the same shown for the same place? */
-static bool is_said(const struct diag *d, struct loc at, uint32_t hash)
+/* Was the same shown for the same place?  A second error about the same words comes of the
+ * first one; at the end of a text several things may be missed. */
+static bool is_said(const struct diag *d, struct loc at, uint32_t hash, bool is_error)
 {
-    for (size_t i = 0; i < d->n_said; i++)
-        if (d->said[i].hash == hash && memcmp(&d->said[i].at, &at, sizeof at) == 0)
+    for (size_t i = 0; i < d->n_said; i++) {
+        const struct said *s = &d->said[i];
+        if (memcmp(&s->at, &at, sizeof at) == 0
+            && (s->hash == hash || (is_error && s->is_error && at.begin != at.end)))
             return true;
+    }
     return false;
 }
 
-static void remember(struct diag *d, struct loc at, uint32_t hash)
+static void remember(struct diag *d, struct loc at, uint32_t hash, bool is_error)
 {
     d->said = arena_grow(d->sources->mem, d->said, d->n_said, &d->room_said, sizeof *d->said);
-    d->said[d->n_said++] = (struct said) { at, hash };
+    d->said[d->n_said++] = (struct said) { at, hash, is_error };
 }
 
 static void add_context(struct diag *d)
@@ -255,7 +259,7 @@ static bool may_show(struct diag *d, unsigned *shown, unsigned most, const char 
 static bool shows_error(struct diag *d, struct loc at, uint32_t hash)
 {
     d->full = d->full || d->errors > MOST_REPEATS;
-    if (d->full || is_said(d, at, hash))
+    if (d->full || is_said(d, at, hash, true))
         return false;
     d->full = !may_show(d, &d->shown_errors, d->most_errors, "there are more errors: they are not shown");
     return !d->full;
@@ -263,7 +267,7 @@ static bool shows_error(struct diag *d, struct loc at, uint32_t hash)
 
 static bool shows_warning(struct diag *d, struct loc at, uint32_t hash)
 {
-    return !d->quiet && !d->full && !is_said(d, at, hash)
+    return !d->quiet && !d->full && !is_said(d, at, hash, false)
         && may_show(d, &d->shown_warnings, d->most_warnings, "there are more warnings: they are not shown");
 }
 
@@ -286,7 +290,7 @@ void diag_error(struct diag *d, struct loc at, const char *format, ...)
     d->muted = !shows_error(d, at, hash);
     if (d->muted)
         return;
-    remember(d, at, hash);
+    remember(d, at, hash, true);
     show(d, SEVERITY_ERROR, at, text);
 }
 
@@ -303,7 +307,7 @@ void diag_warning(struct diag *d, struct loc at, const char *format, ...)
     d->muted = !shows_warning(d, at, hash);
     if (d->muted)
         return;
-    remember(d, at, hash);
+    remember(d, at, hash, false);
     show(d, SEVERITY_WARNING, at, text);
 }
 

@@ -7,6 +7,7 @@
 #include "lang/build.h"
 #include "lang/colour.h"
 #include "lang/guess.h"
+#include "lang/parsing.h"
 #include "lang/scope.h"
 
 /* --- items ------------------------------------------------------------------- */
@@ -109,6 +110,12 @@ static const char *home_text(struct lang *l, const struct item *i)
     return "";
 }
 
+/* Is it known that the scene's text closes all that it opens? */
+static bool has_all_braces(const struct lang *l)
+{
+    return l->streamed && l->streamed->has_counted && l->streamed->lacking < 0;
+}
+
 /* A word that is known, but not here. */
 static void misplaced_word(struct lang *l, const struct item *i, const char *block,
                            const struct field *const *tables)
@@ -141,8 +148,8 @@ void build_unknown(struct lang *l, const struct item *i, const char *block,
         return;
     case ITEM_WORD: case ITEM_BLOCK:
         if (is_statement(i)) {
-            diag_error(l->diag, i->at, "'%s' cannot stand in %s: is a '}' missing before it?",
-                       i->text, block);
+            diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
+                       has_all_braces(l) ? "" : ": is a '}' missing before it?");
             if (l->reader && l->reader->brace.source)
                 diag_note(l->diag, l->reader->brace, "%s begins here", block);
             if (l->reader)

@@ -226,6 +226,10 @@ void build_image(struct lang *l, const struct item *block, struct image_use *use
     struct reader r;
 
     *use = (struct image_use) { 0 };
+    if (block->kind != ITEM_BLOCK) {
+        diag_error(l->diag, block->at, "%s needs braces", block->text);
+        return;
+    }
     reader_open(&r, l, block->body);
     read_source(&r, &w.file);
     for (struct item i = reader_next(&r); i.kind != ITEM_END; i = reader_next(&r)) {

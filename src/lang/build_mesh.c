@@ -595,6 +595,8 @@ static void read_sections(struct making *m, struct reader *r, const struct item 
     if (take_block(r, "texture_list", &i))
         read_textures(m, &i);
     if (!take_block(r, "face_indices", &i)) {
+        if (m->lang->diag->errors != m->errors)
+            return;
         diag_error(m->lang->diag, reader_at(r), "expected face_indices in mesh2; found %s",
                    item_describe(m->lang, reader_peek(r)));
         return;

@@ -356,10 +356,7 @@ static void skip_block(struct reader *r, const struct item *i)
     struct image_use image = { 0 };
     bool unsupported = false;
 
-    if (i->kind != ITEM_BLOCK)
-        diag_error(r->lang->diag, i->at, "%s needs braces", i->text);
-    else
-        build_image(r->lang, i, &image, &unsupported);
+    build_image(r->lang, i, &image, &unsupported);
 }
 
 static void skip_special(struct reader *r, struct patterned *p, const struct item *i)

@@ -101,7 +101,7 @@ static void reach_around(struct object *o, const struct points *p)
 
 static void at_least(struct lang *l, const struct item *block, const struct points *p, size_t least)
 {
-    if (p->n < least)
+    if (p->n < least && !l->reader->failed)
         build_wrong(l, block, "this %s needs at least %zu points, not %zu", block->text, least, p->n);
 }
 

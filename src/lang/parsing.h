@@ -64,6 +64,8 @@ struct parse {
     struct name *owed_word;     /* ... and its name */
     bool ended;
     bool every_token;           /* blocks are given in parts, however plain they are */
+    bool has_counted;           /* how many closing braces are missing: */
+    long lacking;
     uint32_t vain;              /* the word there begins a block that is not plain; 0: none */
     struct constant ahead[SHORTEST_RUN];
     unsigned n_ahead;
