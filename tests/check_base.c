@@ -335,7 +335,10 @@ static void again(struct diag *d, struct loc at)
     diag_error(d, (struct loc) { at.source, at.end, at.end }, "missing )");
     diag_remark(d, at, "hi");
     diag_remark(d, at, "hi");
-    for (int i = 0; i < 2000; i++)
+    for (int i = 0; i < 900; i++)
+        diag_repeat(d);
+    ck_assert(!d->full);
+    for (int i = 0; i < 200; i++)
         diag_error(d, at, "no");
     ck_assert(d->full);                 /* nobody waits for a loop to make no more of them */
 }

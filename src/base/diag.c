@@ -294,6 +294,12 @@ void diag_error(struct diag *d, struct loc at, const char *format, ...)
     show(d, SEVERITY_ERROR, at, text);
 }
 
+void diag_repeat(struct diag *d)
+{
+    d->full = d->full || ++d->errors > MOST_REPEATS;
+    d->muted = true;
+}
+
 void diag_warning(struct diag *d, struct loc at, const char *format, ...)
 {
     char text[MOST_TEXT];

@@ -47,6 +47,9 @@ void diag_warning(struct diag *d, struct loc at, const char *format, ...)
 void diag_note(struct diag *d, struct loc at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* A mistake that was said before has its effects again: it counts, and is not shown. */
+void diag_repeat(struct diag *d);
+
 /* A warning that the scene itself wants shown, as often as it says so. */
 void diag_remark(struct diag *d, struct loc at, const char *text);
 

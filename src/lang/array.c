@@ -97,7 +97,7 @@ static bool check_array(struct lang *l, const struct ast *node, const struct val
         return true;
     if (v->type == VALUE_NONE)
         diag_error(l->diag, node->at, "this element of '%s' was never set", node->name->text);
-    else
+    else if (!scope_find(node->name) || !scope_find(node->name)->is_broken)
         diag_error(l->diag, node->at, "'%s' is a %s, not an array", node->name->text,
                    value_name(v));
     return false;

@@ -80,7 +80,8 @@ static const char *table_guess(struct lang *l, const struct item *i,
 /* A statement in the middle of a block: its closing brace is missing. */
 static bool is_statement(const struct item *i)
 {
-    return i->kind == ITEM_BLOCK && i->word->block && i->word->block->use;
+    return i->kind == ITEM_BLOCK && i->word->block
+        && (i->word->block->use || i->word->block->makes == VALUE_NONE);
 }
 
 static void unknown_name(struct lang *l, const struct item *i, const char *block,
@@ -122,9 +123,11 @@ static void misplaced_word(struct lang *l, const struct item *i, const char *blo
 {
     const char *guess = table_guess(l, i, tables);
 
-    if (i->kind == ITEM_WORD && i->word->block)
+    if (i->kind == ITEM_WORD && i->word->block) {
         diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
-    else
+        if (l->reader)
+            l->reader->unclosed = true;
+    } else
         diag_error(l->diag, i->at, "'%s' cannot stand in %s%s", i->text, block,
                    *guess ? guess : home_text(l, i));
 }
@@ -141,6 +144,10 @@ static const char *comma_hint(const struct lang *l, const struct item *i, const 
 void build_unknown(struct lang *l, const struct item *i, const char *block,
                    const struct field *const *tables)
 {
+    if (l->reader && l->reader->unclosed) {     /* a brace is missing: what follows is of others */
+        skip_values(l);
+        return;
+    }
     switch (i->kind) {
     case ITEM_NAME:
         unknown_name(l, i, block, tables);

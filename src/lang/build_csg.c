@@ -50,6 +50,14 @@ static void count_parts(struct children *c, const struct object *child, struct l
                    "--max-memory allows", c->parts, l->limits->memory >> 20);
 }
 
+/* Once; and what was not understood may have been an object. */
+static void say_late(struct reader *r, const struct item *i)
+{
+    if (!r->failed)
+        diag_error(r->lang->diag, i->at, "objects must stand before the modifiers");
+    r->failed = true;
+}
+
 static bool take_child(struct reader *r, const struct item *i, void *arg)
 {
     struct children *c = arg;
@@ -59,7 +67,7 @@ static bool take_child(struct reader *r, const struct item *i, void *arg)
         return false;
     }
     if (c->ended)
-        diag_error(r->lang->diag, i->at, "objects must stand before the modifiers");
+        say_late(r, i);
     struct object *o = build_object(r->lang, i);
     warn_patch(r->lang, c->of, o);
     count_depth(c, o, i->at);
@@ -87,7 +95,7 @@ static bool is_misplaced(struct reader *r, const struct item *i, void *arg)
     (void)arg;
     if (!item_is_object(i))
         return false;
-    diag_error(r->lang->diag, i->at, "objects must stand before the modifiers");
+    say_late(r, i);
     build_object(r->lang, i);
     return true;
 }

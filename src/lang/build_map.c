@@ -28,11 +28,12 @@ static void read_colours(struct lang *l, struct reader *r, struct entries *e)
     if (!old) {
         struct map_entry *one = add(l, e);
         one->value = (double)(float)low;
-        if (!colour_is_next(r))
-            diag_error(l->diag, reader_at(r),
-                       "expected a colour in the map: rgb ..., or a declared colour; found %s",
-                       item_describe(l, reader_peek(r)));
-        else
+        if (!colour_is_next(r)) {
+            if (!reader_explains(r))
+                diag_error(l->diag, reader_at(r),
+                           "expected a colour in the map: rgb ..., or a declared colour; found %s",
+                           item_describe(l, reader_peek(r)));
+        } else
             one->colour = colour_take(r, false, "a map");
         return;
     }

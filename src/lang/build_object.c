@@ -3,6 +3,7 @@
 
 #include "lang/build.h"
 #include "lang/guess.h"
+#include "lang/scope.h"
 #include "lang/colour.h"
 #include "lang/frame.h"
 
@@ -403,6 +404,7 @@ static void no_object(struct lang *l, const struct item *name)
     guess_names(&g, l);
     diag_error(l->diag, name->at, "no object '%s' is declared%s", name->text, guess_text(&g, l));
     guess_note(&g, l);
+    scope_declare_broken(l, name_intern(&l->names, name->text, strlen(name->text)), name->at);
 }
 
 static struct object *wrapped(struct lang *l, struct reader *r, const struct item *block)

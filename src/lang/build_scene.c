@@ -234,7 +234,8 @@ void build_add(struct lang *l, struct object *o)
 
 static void unknown_statement(struct lang *l, struct reader *r, const struct item *i)
 {
-    if (r->failed && (i->kind == ITEM_VALUE || i->kind == ITEM_COMMA))
+    if ((r->failed || l->skipping) && (i->kind == ITEM_VALUE || i->kind == ITEM_COMMA
+                                       || (i->kind == ITEM_WORD && !i->word->block)))
         return;                 /* it is part of what was said to be wrong */
     if (i->kind == ITEM_NAME) {
         struct guess g = guess_start(i->text);
@@ -255,7 +256,7 @@ static void build_block(struct lang *l, const struct item *i, const struct block
 {
     struct value v = { .type = VALUE_NONE };
 
-    if (b->makes != VALUE_NONE && !b->use)
+    if (b->makes != VALUE_NONE && !b->use && !l->skipping)
         diag_error(l->diag, i->at, "%s can only stand in an object or be declared", i->text);
     if (b->make(l, i, &v) && b->use)
         b->use(l, i->at, &v);

@@ -223,6 +223,7 @@ void say_unknown_call(struct lang *l, struct loc at, const char *name)
     at.end = at.begin + (uint32_t)strlen(name);
     diag_error(l->diag, at, "unknown function '%s'%s", name, guess_text(&g, l));
     guess_note(&g, l);
+    scope_declare_broken(l, name_intern(&l->names, name, strlen(name)), at);
 }
 
 static void warn_deprecated(struct lang *l, struct loc at, struct binding *b)
@@ -246,6 +247,8 @@ static void eval_name(struct lang *l, const struct ast *a, struct value *out)
     }
     if (b->deprecated)
         warn_deprecated(l, a->at, b);
+    if (b->is_broken)
+        diag_repeat(l->diag);
     const struct value *v = b->value;
     if (v->type == VALUE_NUMBER && v->n == 1) {
         out->type = VALUE_NUMBER;

@@ -329,8 +329,10 @@ void file_open(struct lang *l, const struct ast *node)
     bool reads = word_is(node->word, "read");
     struct text name;
 
-    if (!evaluate_text(l, node->args->first, "a file's name", &name) || l->diag->errors)
+    if (!evaluate_text(l, node->args->first, "a file's name", &name) || l->diag->errors) {
+        scope_declare_broken(l, (struct name *)node->name, node->at);
         return;
+    }
     if (scope_find(node->name)) {
         diag_error(l->diag, node->at, "'%s' is declared already", node->name->text);
         return;
@@ -567,12 +569,23 @@ static void store(struct lang *l, const struct ast *target, const struct value *
     *place = *v;
 }
 
+/* Nothing can be read into them, which was said. */
+static void miss_names(struct lang *l, const struct ast *node)
+{
+    for (const struct ast *a = node->args->first; a; a = a->next)
+        if (a->kind == AST_NAME)
+            scope_declare_broken(l, a->name, a->at);
+}
+
 void file_read(struct lang *l, const struct ast *node)
 {
     const struct ast *a;
     struct handle *h = named_handle(l, node, &a);
     struct value v;
     bool is_last = false;
+
+    if (!h)
+        miss_names(l, node);
 
     for (; h && a; a = a->next) {
         if (a->kind == AST_COMMA)

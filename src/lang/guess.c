@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "lang/scope.h"
+
 /* Further than this is another word; short words must be nearer. */
 static unsigned furthest(const char *word)
 {
@@ -148,6 +150,8 @@ void say_undeclared(struct lang *l, struct loc at, const char *name, const char 
     struct guess g = guess_start(name);
     const char *text = "";
 
+    if (!where && !library.is_exact)    /* Rad is no Red where a number is wanted */
+        library.file = NULL;
     guess_names(&g, l);
     bool is_near = g.best && !library.is_exact && !(library.file && library.guess.distance < g.distance);
     for (size_t i = 0; !is_near && !library.file && i < l->n_word; i++)
@@ -160,4 +164,5 @@ void say_undeclared(struct lang *l, struct loc at, const char *name, const char 
     diag_error(l->diag, at, "undeclared name '%s'%s%s", name, where ? where : "", text);
     if (is_near)
         guess_note(&g, l);
+    scope_declare_broken(l, name_intern(&l->names, name, strlen(name)), at);
 }

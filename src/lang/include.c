@@ -86,8 +86,10 @@ void include(struct lang *l, const struct ast *node)
     static const char *const extensions[] = { "inc", "INC", NULL };
     struct text name;
 
-    if (!evaluate_text(l, node->right, "a file's name", &name))
+    if (!evaluate_text(l, node->right, "a file's name", &name)) {
+        l->stopped = true;      /* all that it declares would be the next mistakes */
         return;
+    }
     if (l->n_include + 1 >= l->limits->include_depth) {
         diag_error(l->diag, node->at, "files include each other more than %u deep "
                    "(--max-include-depth=N would let them)", l->limits->include_depth);
@@ -98,7 +100,7 @@ void include(struct lang *l, const struct ast *node)
         return;
     const char *path = lang_find_file(l, node->right->at, name.bytes, extensions, "file");
     const struct library_file *f = path ? parse_file(l, path, node->at) : NULL;
-    if (!f) {                   /* all that it declares would be the next mistakes */
+    if (!f) {
         l->stopped = true;
         return;
     }

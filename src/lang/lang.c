@@ -204,6 +204,19 @@ const struct ast *lang_parse(struct lang *l, const char *path)
     return parse_source(l, number);
 }
 
+/* What follows a mistake and can stand in objects only was meant to be in one. */
+static bool is_part(const struct lang *l, const struct item *i)
+{
+    const struct block *b = i->kind == ITEM_BLOCK ? i->word->block : NULL;
+
+    return l->skipping && b && b->makes != VALUE_NONE && !b->use;
+}
+
+static bool is_rest(const struct reader *r, const struct item *i)
+{
+    return r->failed && (i->kind == ITEM_VALUE || (i->kind == ITEM_WORD && !i->word->block));
+}
+
 static void build_items(struct lang *l, const struct ast *tree)
 {
     struct reader r;
@@ -215,8 +228,8 @@ static void build_items(struct lang *l, const struct ast *tree)
         struct item i = reader_next(&r);
         unsigned errors = l->diag->errors;
         build_statement(l, &r, i);
-        l->skipping = (errors != l->diag->errors || (r.failed && i.kind == ITEM_VALUE))
-            && i.kind != ITEM_BLOCK;
+        l->skipping = is_part(l, &i) || ((errors != l->diag->errors || is_rest(&r, &i))
+                                         && i.kind != ITEM_BLOCK);
         if (l->skipping)
             reader_resume(&r);
         r.failed = false;

@@ -21,7 +21,7 @@ struct attempt {
     char *at;                   /* behind what was read */
     char *most;                 /* it ends here in vain */
     unsigned depth;
-    const struct word *around;  /* whose braces are read */
+    const struct word *around;  /* whose braces are read; NULL right behind the '{' */
 };
 
 static struct loc loc_of(const struct parse *p, const char *begin, const char *end)
@@ -105,7 +105,7 @@ static struct ast *constant_item(struct attempt *a, enum before *before, struct 
 }
 
 /* Up to and with the closing brace; false: there is more to it. */
-static bool items(struct attempt *a, struct ast *list)
+static bool items(struct attempt *a, struct ast *list, const struct word *word)
 {
     enum before before = BEFORE_OPEN;
     struct row row = { 0, 0 };
@@ -127,6 +127,7 @@ static bool items(struct attempt *a, struct ast *list)
         if (!item)
             return false;
         ast_add(list, item);
+        a->around = word;
     }
 }
 
@@ -138,8 +139,8 @@ static struct ast *block(struct attempt *a, struct name *name, char *begin)
     struct ast *list = ast_list(p, loc_of(p, brace, a->at));
     const struct word *around = a->around;
 
-    a->around = name->word;
-    if (++a->depth > DEEPEST || p->n_open + a->depth > p->lang->limits->nesting || !items(a, list)
+    a->around = NULL;
+    if (++a->depth > DEEPEST || p->n_open + a->depth > p->lang->limits->nesting || !items(a, list, name->word)
         || (a->at[-1] <= ' ' && is_askew(p, brace, a->at)))
         return NULL;
     a->around = around;

@@ -76,17 +76,13 @@ static void declare_meant(struct lang *l, const struct ast *a)
 {
     struct name *meant = a->more ? a->more->meant : NULL;
 
-    if (!meant || scope_find(meant))
-        return;
-    struct binding *b = scope_declare_global(l, meant, a->at);
-    harmless(b->value);
-    b->is_broken = true;
+    if (meant)
+        scope_declare_broken(l, meant, a->at);
 }
 
 static void note_askew(struct lang *l, const struct ast_more *more)
 {
-    diag_note(l->diag, more->askew, "or is it this one's? the '}' that closes it, in line %u, "
-              "stands further left",
+    diag_note(l->diag, more->askew, "or is it this one's? what closes it, in line %u, stands further left",
               source_position(l->sources, more->askew_end.source, more->askew_end.begin).line);
 }
 
@@ -105,6 +101,8 @@ void say_parse_error(struct lang *l, const struct ast *a)
 static void say_error(struct reader *r, const struct ast *a)
 {
     r->failed = true;
+    if (a->op == '}' && r->lang->skipping)      /* its '{' is what was missing */
+        return;
     if (r->unclosed && a->other.source == r->brace.source && a->other.begin == r->brace.begin)
         return;
     say_parse_error(r->lang, a);
@@ -234,7 +232,6 @@ static void read_name(struct reader *r, const struct ast *a, struct item *i)
     }
     read_value(r, a, i);
     i->name = a->name->text;
-    r->failed |= b->is_broken;
 }
 
 static void read_call(struct reader *r, const struct ast *a, struct item *i)

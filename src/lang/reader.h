@@ -50,7 +50,7 @@ struct reader {
     bool failed;                        /* part of the list was not understood, which was said:
                                            say nothing of what is missing */
     bool strict;                        /* no directive may follow a number in it: see chain.h */
-    bool unclosed;                      /* its closing brace is missing, which was said */
+    bool unclosed;                      /* its closing brace, or another's, is missing, which was said */
     struct loc brace, close;            /* of the list; close.source 0: unknown */
 };
 

@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#include "lang/eval.h"
+
 unsigned scope_open(struct lang *l)
 {
     if (!l->scope)              /* scope[0] stands for the global one */
@@ -87,6 +89,15 @@ struct binding *scope_declare(struct lang *l, struct name *name, bool local, str
     if (b && (!local || b->scope == l->n_scope))
         return b;
     return local ? innermost(l, name, at) : global(l, name, at);
+}
+
+void scope_declare_broken(struct lang *l, struct name *name, struct loc at)
+{
+    if (scope_find(name))
+        return;
+    struct binding *b = global(l, name, at);
+    harmless(b->value);
+    b->is_broken = true;
 }
 
 struct binding *scope_declare_global(struct lang *l, struct name *name, struct loc at)

@@ -15,6 +15,9 @@ static inline struct binding *scope_find(const struct name *name)
 
 /* The binding that #declare (local: #local) of a name writes to. */
 struct binding *scope_declare(struct lang *l, struct name *name, bool local, struct loc at);
+/* What was said to be wrong or missing is known from now on, as a harmless number: one
+ * mistake, one message. */
+void scope_declare_broken(struct lang *l, struct name *name, struct loc at);
 struct binding *scope_declare_global(struct lang *l, struct name *name, struct loc at);
 /* A macro's parameter, in the innermost scope; refers: to the caller's value. */
 struct binding *scope_parameter(struct lang *l, struct name *name, struct value *refers,

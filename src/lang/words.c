@@ -268,7 +268,7 @@ bool word_is(const struct word *w, const char *text)
 static bool is_group(const struct word *w)
 {
     static const char *const groups[] = {
-        "mesh", "union", "object", "difference", "intersection", "merge", "blob", "mesh2",
+        "mesh", "union", "difference", "intersection", "merge", "blob", "mesh2",
         "composite", "light_group", NULL,
     };
 
