@@ -16,8 +16,9 @@ static const double near = 1e-10;       /* POV-Ray's tolerance in comparisons */
 
 /* --- numbers ---------------------------------------------------------------- */
 
-static double degrees(double x) { return x * 180 / M_PI; }
-static double radians(double x) { return x * M_PI / 180; }
+/* One factor, as POV-Ray has it: the last bits of angles depend on it. */
+static double degrees(double x) { return x / (M_PI / 180); }
+static double radians(double x) { return x * (M_PI / 180); }
 
 /* POV-Ray goes through a 32-bit int, as x86 converts: what does not fit
  * becomes its smallest value. */
@@ -60,7 +61,7 @@ static void call_arc(struct arguments *a, struct value *out)
     if (x < -1 || x > 1)
         diag_warning(a->l->diag, a->node->at, "%s of a number outside of -1 to 1: taken as %d",
                      a->call->name, x < 0 ? -1 : 1);
-    x = fmax(-1, fmin(1, x));
+    x = x < -1 ? -1 : x > 1 ? 1 : x;            /* what is no number stays so */
     one(out, a->call->name[1] == 'c' ? acos(x) : asin(x));
 }
 
@@ -86,8 +87,10 @@ static void call_logarithm(struct arguments *a, struct value *out)
 
 static void call_sqrt(struct arguments *a, struct value *out)
 {
-    one(out, sqrt(fmax(0, arg(a, 0))));
-    if (arg(a, 0) < 0)
+    double x = arg(a, 0);
+
+    one(out, x < 0 ? 0 : sqrt(x));
+    if (x < 0)
         refuse(a, "the argument is negative");
 }
 
@@ -225,7 +228,9 @@ static void call_vturbulence(struct arguments *a, struct value *out)
 {
     double octaves = fmax(1, fmin(NOISE_MOST_OCTAVES, arg(a, 2)));
 
-    three(out, noise_vector_turbulence(point(a, 3), (int)octaves, arg(a, 1), arg(a, 0)));
+    /* POV-Ray keeps omega and lambda in single precision. */
+    three(out, noise_vector_turbulence(point(a, 3), (int)octaves, (float)arg(a, 1),
+                                       (float)arg(a, 0)));
 }
 
 /* --- arrays, names, files ------------------------------------------------------- */
@@ -405,8 +410,8 @@ const struct call calls[] = {
     RUN("vnormalize", "V", call_vnormalize, "a vector of length 1"),
     RUN("vrotate", "VV", call_vrotate, "a point rotated by degrees about x, y, z"),
     RUN("vstr", "FNSFF", call_vstr, "a vector as a text: components, vector, separator, width, digits"),
-    RUN("vturbulence", "FFFV", call_vturbulence,
-        "the noise's vector: lambda, omega, octaves, point"),
+    { "vturbulence", "the noise's vector: lambda, omega, octaves, point", "FFFV",
+      .run = call_vturbulence, .last_comma = true },
     { .name = NULL },
 };
 
@@ -557,7 +562,7 @@ void call_run(struct lang *l, const struct ast *node, struct value *out)
         from[0] = node->args->first;
     } else
         a.n = evaluate_list(l, node->args, &list, call->commas);
-    if (a.n > 0 && list.last_comma && !only_names(call)) {
+    if (a.n > 0 && list.last_comma && !only_names(call) && !call->last_comma) {
         diag_error(l->diag, node->at, "%s: nothing stands behind the last comma", call->name);
         return;
     }

@@ -25,6 +25,7 @@ struct call {
     double (*of_two)(double, double);
     void (*run)(struct arguments *a, struct value *out);    /* ... and others */
     bool commas;                        /* must stand between all arguments */
+    bool last_comma;                    /* one may follow the last argument */
     bool in_functions;                  /* may stand in function { } too */
     int code;                           /* there: enum code of function.c; or an internal's number */
 };

@@ -28,7 +28,7 @@ static int binding_strength(const struct chain *c, int op)
     switch (op) {
     case '*': case '/': return 5;
     case '+': case '-': return 4;
-    case '&': return c->ops->and_first ? 2 : 1;
+    case '&': return c->ops->in_function ? 2 : 1;
     case '|': return 1;
     default: return 3;
     }
@@ -90,6 +90,9 @@ static void push_op(struct chain *c, int op, bool is_unary, struct loc at)
             return;
         }
         apply_stronger(c, binding_strength(c, op));
+    } else if (c->ops->in_function && c->n_op && c->op[c->n_op - 1].is_unary) {
+        wrong(c, at, "a second sign in a row cannot stand in a function");
+        return;
     }
     if (c->n_op == CHAIN_MOST) {
         wrong(c, at, "too many signs in a row");

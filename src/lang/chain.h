@@ -21,7 +21,7 @@ struct chain_ops {
     void (*binary)(struct chain *c, struct loc at, int op, int slot);   /* slot and slot + 1 */
     void (*member)(struct chain *c, const struct ast *a, int slot);
     bool (*is_text)(struct chain *c, int slot);     /* of strict chains */
-    bool and_first;                     /* '&' binds tighter than '|': in functions */
+    bool in_function;                   /* '&' binds tighter than '|', and one sign is all */
 };
 
 struct chain {

@@ -34,7 +34,8 @@ static void run_one(const struct function *f, const double *arguments, double *o
         r[i] = (expression); \
     break
 
-static double least(double a, double b) { return b < a ? b : a; }
+/* As POV-Ray's machine has it where one of them is no number. */
+static double least(double a, double b) { return a <= b ? a : b; }
 static double most(double a, double b) { return b > a ? b : a; }
 static double sign_of(double x, double a, double b, double c) { return x < 0 ? a : x == 0 ? b : c; }
 
@@ -93,8 +94,8 @@ static void run(const struct machine *m, const struct code *code, size_t n_code)
         case CODE_LE: EACH(r[i] <= s[i]);
         case CODE_EQ: EACH(r[i] == s[i]);
         case CODE_NE: EACH(r[i] != s[i]);
-        case CODE_GE: EACH(r[i] >= s[i]);
-        case CODE_GT: EACH(r[i] > s[i]);
+        case CODE_GE: EACH(!(r[i] < s[i]));
+        case CODE_GT: EACH(!(r[i] <= s[i]));
         case CODE_AND: EACH(r[i] != 0 && s[i] != 0);
         case CODE_OR: EACH(r[i] != 0 || s[i] != 0);
         case CODE_MIN: EACH(least(r[i], s[i]));

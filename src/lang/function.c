@@ -339,13 +339,15 @@ static void compile_sum(struct compiling *c, const struct ast *a, int to)
 }
 
 static double sqrt_in_function(double x) { return sqrt(x); }
+static double degrees_in_function(double x) { return x * (180 / M_PI); }
 
-/* Functions with checks outside have none inside: the values come at run time. */
+/* Functions with checks outside have none inside: the values come at run time;
+ * and POV-Ray rounds degrees otherwise there. */
 static double (*unchecked(const char *name))(double)
 {
     static const struct { const char *name; double (*function)(double); } rows[] = {
         { "acos", acos }, { "asin", asin }, { "ln", log }, { "log", log10 },
-        { "sqrt", sqrt_in_function },
+        { "sqrt", sqrt_in_function }, { "degrees", degrees_in_function },
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -395,7 +397,8 @@ static void compile_func(struct compiling *c, const struct ast *a, int to)
         say_count(c, a, call->name, wanted, n);
         return;
     }
-    double (*one)(double) = call->of_one ? call->of_one : unchecked(call->name);
+    double (*one)(double) = unchecked(call->name);
+    one = one ? one : call->of_one;
     if (wanted == 1)
         emit(c, CODE_ONE, to)->one = one;
     else
@@ -502,6 +505,8 @@ static void compile(struct compiling *c, const struct ast *a, int to)
     case AST_CALL: compile_call(c, a, -1, to); return;
     case AST_MEMBER: compile_member(c, a, to); return;
     case AST_UNARY:
+        if (a->right->kind == AST_UNARY)        /* outside, signs may be repeated */
+            fail(c, a->right->at, "a second sign in a row cannot stand in a function");
         compile(c, a->right, to);
         emit_unary(c, a->at, a->op, to);
         return;
