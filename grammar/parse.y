@@ -32,6 +32,8 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "lang/frame.h"
+
 int scanner_next(YYSTYPE *value, YYLTYPE *at, struct parse *p);
 #define yylex scanner_next
 static void yyerror(YYLTYPE *at, struct parse *p, const char *message);
@@ -49,6 +51,9 @@ static struct ast *with_name(struct ast *node, struct name *w);
 static struct ast *with_op(struct ast *node, int op);
 static struct ast *declaration(struct parse *p, struct loc at, int op, struct ast *marks,
                                struct ast *target, struct ast *value, int semicolon);
+static struct ast *version_end(struct parse *p, int semicolons, int ahead, const YYSTYPE *value,
+                               YYLTYPE at);
+static struct ast *preceded(struct parse *p, struct ast *directive, struct ast *list);
 static struct ast *branch(struct parse *p, struct loc at, int op, struct ast *condition,
                           struct ast *body);
 static struct ast *of_one(struct parse *p, struct ast *item);
@@ -76,9 +81,9 @@ static struct ast *splice_node(struct parse *p, struct loc at, struct ast *direc
 %token <word> MESSAGE "#debug"
 
 %type <node> items item value cond logic rel sum prod unary postfix primary
-    rsum rprod runary tail word_item directive quiet splice vector args subscripts subscript
+    rsum rprod runary tail word_item directive quiet message splice vector args subscripts subscript
     braces brackets function array declare declared target marks colours textures
-    branches branch_rest condition group body switch_items switch_item macro_head parameters
+    branches branch_rest condition group body switch_items switch_item close_end macro_head parameters
     parameter target_in_parens for_head
 %type <word> word any_word no_name
 %type <op> sign semicolon
@@ -86,7 +91,9 @@ static struct ast *splice_node(struct parse *p, struct loc at, struct ast *direc
 /* From loose to tight.  LOW: what could go on goes on; a sign behind an
  * operand is an operator, as in <1 -2 3>, which has two components. */
 %precedence LOW
-%precedence ';' '{' '[' NUMBER CONSTANTS TEXT NAME TEXTURE COLOUR RGB FUNC1 FUNC CONSTANT '!' '<'
+%precedence ';' '{' '[' NUMBER CONSTANTS TEXT NAME TEXTURE COLOUR RGB FUNC1 FUNC CONSTANT '!' '<' ARRAY WORD FUNCTION
+    DECLARE LOCAL UNDEF IF IFDEF IFNDEF WHILE FOR SWITCH BREAK MACRO INCLUDE VERSION DEFAULT FOPEN FCLOSE
+    READ WRITE MESSAGE '?' '&' '|'
 %precedence COMPARE
 %precedence '+' '-'
 %precedence '*' '/' '('
@@ -149,8 +156,8 @@ close_paren: ')'                    { }
     | MISSING_PAREN                 { p->pending = $1; };
 close_angle: '>'                    { }
     | MISSING_ANGLE                 { p->pending = $1; };
-close_end: END                      { }
-    | MISSING_END                   { p->unclosed = ast_add(p->unclosed, $1); };
+close_end: END                      { $$ = NULL; }
+    | MISSING_END                   { $$ = $1; p->unclosed = ast_add(p->unclosed, $1); };
 
 /* --- expressions ----------------------------------------------------------- */
 
@@ -188,7 +195,8 @@ rprod: runary                       { $$ = $1; }
 
 runary: unary                       { $$ = $1; }
     | splice                        { $$ = splice_node(p, @1, $1); }
-    | quiet runary                  { $$ = splice_node(p, @$, $1); ast_add($$->first, $2); };
+    | quiet runary                  { $$ = splice_node(p, @$, $1); ast_add($$->first, $2); }
+    | quiet %prec LOW               { $$ = splice_node(p, @1, $1); };
 
 /* Its left side comes from before a directive: (1 #if (A) * 2 #end). */
 tail: '*' runary %prec LOW          { $$ = ast_tail(p, @$, '*', $2); }
@@ -236,12 +244,10 @@ quiet: declare
     | MACRO macro_head items close_end
                                     { $$ = with_body($2, ast_close(p, $3, @1, @4)); }
     | VERSION sum semicolon         { $$ = with_right(ast_new(p, AST_VERSION, @1), $2);
-                                      $$->flags |= $3 ? AST_SEMI : 0; }
+                                      $$->flags |= $3 ? AST_SEMI : 0;
+                                      $$->third = version_end(p, $3, yychar, &yylval, yylloc); }
     | DEFAULT braces                { $$ = with_body(ast_new(p, AST_DEFAULT, @1), $2); }
-    | MESSAGE splice                { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
-                                                              message_op($1->word)),
-                                                      splice_node(p, @2, $2)); }
-    | MESSAGE postfix %prec LOW     { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
+    | MESSAGE message               { $$ = with_right(with_op(ast_new(p, AST_MESSAGE, @1),
                                                               message_op($1->word)), $2); }
     | FOPEN NAME postfix word       { $$ = with_name(ast_new(p, AST_FOPEN, @1), $2);
                                       $$->word = $4->word; $$->args = of_one(p, $3); }
@@ -249,9 +255,18 @@ quiet: declare
                                                      "or append, found '%s'", $4->text);
                                       ast_more(p, $$)->meant = $2; }
     | FCLOSE any_word               { $$ = with_name(ast_new(p, AST_FCLOSE, @1), $2); }
+    | FCLOSE NUMBER                 { $$ = ast_new(p, AST_FCLOSE, @1); }
+    | FCLOSE TEXT                   { $$ = ast_new(p, AST_FCLOSE, @1); }
+    | FCLOSE %prec LOW              { $$ = ast_new(p, AST_FCLOSE, @1); }
     | READ args                     { $$ = with_args(ast_new(p, AST_READ, @1), $2); }
     | WRITE args                    { $$ = with_args(ast_new(p, AST_WRITE, @1), $2); }
     | BREAK                         { $$ = ast_new(p, AST_BREAK, @1); }
+    ;
+
+message: postfix %prec LOW          { $$ = $1; }
+    | splice                        { $$ = splice_node(p, @1, $1); }
+    | quiet message                 { $$ = splice_node(p, @$, $1); ast_add($$->first, $2); }
+    | quiet %prec LOW               { $$ = splice_node(p, @1, $1); }
     ;
 
 /* ... and these may leave items. */
@@ -297,6 +312,8 @@ declared: value                     { $$ = of_one(p, $1); }
     | NAME braces                   { $$ = of_one(p, block_node(p, @1, $1, $2)); }
     | colours %prec LOW
     | textures %prec LOW
+    | quiet declared                { $$ = preceded(p, $1, $2); }
+    | quiet %prec LOW               { $$ = of_one(p, $1); }
     ;
 
 colours: COLOUR %prec LOW           { $$ = of_one(p, word_node(p, @1, $1)); }
@@ -318,7 +335,8 @@ semicolon: %empty %prec LOW         { $$ = 0; }
 condition: group                    { $$ = $1; }
     | error                         { $$ = take(ast_list(p, @1), p); }
     ;
-body: items close_end               { $$ = ast_close(p, $1, @1, @2); };
+body: items close_end               { $$ = ast_close(p, $1, @1, @2);
+                                      $$->flags &= $2 ? ~AST_CLOSED : ~0; };
 
 branches: IF condition items        { $$ = of_one(p, branch(p, @1, 'i', $2, $3)); }
     | IFDEF target_in_parens items  { $$ = of_one(p, branch(p, @1, 'd', $2, $3)); }
@@ -443,6 +461,29 @@ static struct ast *of_one(struct parse *p, struct ast *item)
     return ast_pack(ast_add(ast_list(p, item->at), item));
 }
 
+/* What POV-Ray refuses right behind #version 3.7; NULL: all is well. */
+static struct ast *version_end(struct parse *p, int semicolons, int ahead, const YYSTYPE *value,
+                               YYLTYPE at)
+{
+    if (semicolons > 1)
+        return ast_error(p, at, (struct loc) { 0 }, "one ';' ends #version");
+    if (semicolons || ahead != NAME || !value->word->slot || !is_macro(value->word))
+        return NULL;
+    return ast_error(p, at, (struct loc) { 0 }, "';' is missing between #version and this macro");
+}
+
+/* A declaration's value with a directive before it. */
+static struct ast *preceded(struct parse *p, struct ast *directive, struct ast *list)
+{
+    struct ast *all = ast_add(ast_list(p, directive->at), directive);
+
+    if (list->first) {
+        ast_add(all, list->first);
+        all->last = list->last;
+    }
+    return all;
+}
+
 static struct ast *splice_node(struct parse *p, struct loc at, struct ast *directive)
 {
     struct ast *node = ast_new(p, AST_SPLICE, at);
@@ -565,6 +606,22 @@ static int without_missing(yysymbol_kind_t *kind, int n)
     return kept;
 }
 
+static bool ends_body(yysymbol_kind_t token)
+{
+    return token == YYSYMBOL_ELSE || token == YYSYMBOL_ELSEIF || token == YYSYMBOL_END
+        || token == YYSYMBOL_END_OPEN || token == YYSYMBOL_CASE || token == YYSYMBOL_RANGE;
+}
+
+/* Directives are carried out wherever POV-Ray reads a token that is no name to be made. */
+static bool is_late(const struct parse *p, yysymbol_kind_t token, struct loc at)
+{
+    bool names = p->declaring.source && p->declaring.begin != at.begin;
+
+    return token >= YYSYMBOL_DECLARE && token <= YYSYMBOL_MESSAGE && !names && !ends_body(token)
+        && p->before != DECLARE && p->before != LOCAL && p->before != UNDEF && p->before != MACRO
+        && p->before != ARRAY && p->before != VERSION && p->before != '.';
+}
+
 /* "unexpected '='; expected number or name" when few things would do. */
 static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
 {
@@ -595,6 +652,8 @@ static int yyreport_syntax_error(const yypcontext_t *context, struct parse *p)
     else
         p->pending = ast_error(p, at, (struct loc) { 0 }, "unexpected '%.*s'%s",
                                length < 40 ? length : 40, source, used ? text : "");
+    if (is_late(p, token, at))
+        p->pending->op = AST_ERROR_LATE;
     mean_declared(p);
     return 0;
 }

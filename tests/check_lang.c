@@ -185,6 +185,50 @@ START_TEST(test_nothing_is_said_after_a_mistake)
 }
 END_TEST
 
+/* Of text, with a mistake and then directives, and of what POV-Ray writes. */
+static void writes(const char *text, const char *said)
+{
+    struct outcome o = run(text);
+
+    ck_assert_msg(o.errors > 0, "%s", text);
+    ck_assert_msg(strcmp(o.said, said) == 0, "%s: %s%s", text, o.said, o.messages);
+    outcome_free(&o);
+}
+
+#define AFTER "\n#debug \"a\\n\"\n#debug \"b\\n\"\n"
+
+START_TEST(test_directives_in_the_place_of_something_else_are_carried_out)
+{
+    static const char *const carried_out[] = {
+        "#debug", "#include", "#declare A =", "#declare A = 1 +", "#declare A = sphere", "sphere",
+        "sphere { 0, 1 pigment", "max_trace_level", "#macro M(X) #end M", "#macro M(X) #end M(",
+        "#macro M(X) #end #declare A = M", "#declare A = sin(", "#declare A = <1,", "#switch (1)",
+        "#for (I, 1, 2)", "#while (1)", "#fopen F", "#default",
+        "#declare F = function { x } #declare G = F",
+    }, *const left[] = {
+        "#declare", "#declare A", "#undef", "#macro", "#version", "#declare A = array", "(", "foo",
+        "#declare A = 1", "sphere { 0, 1 } }", "sphere foo", "#macro M(X) #end M(1", "color_map",
+    };
+    char text[200];
+
+    for (size_t i = 0; i < sizeof carried_out / sizeof *carried_out; i++) {
+        snprintf(text, sizeof text, "%s" AFTER, carried_out[i]);
+        writes(text, "a\nb\n");
+    }
+    for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
+        snprintf(text, sizeof text, "%s" AFTER, left[i]);
+        writes(text, "");
+    }
+}
+END_TEST
+
+START_TEST(test_a_label_that_belongs_to_nothing_ends_a_macro)
+{
+    fails_with("#macro M() #else #end\n", "this closes nothing");
+    fails_with("#macro M() #case (1) #end\n", "this closes nothing");
+}
+END_TEST
+
 static void reaches_limit(const char *text, const char *part)
 {
     struct outcome o = run(text);
@@ -372,6 +416,8 @@ static Suite *lang_suite(void)
     tcase_add_test(t, test_random_streams_are_those_of_povray);
     tcase_add_test(t, test_one_mistake_is_one_message);
     tcase_add_test(t, test_nothing_is_said_after_a_mistake);
+    tcase_add_test(t, test_directives_in_the_place_of_something_else_are_carried_out);
+    tcase_add_test(t, test_a_label_that_belongs_to_nothing_ends_a_macro);
     tcase_add_test(t, test_deep_nesting_is_refused);
     tcase_add_test(t, test_endless_work_is_refused);
     tcase_add_test(t, test_files_outside_are_refused);

@@ -63,7 +63,7 @@ enum ast_kind {
     AST_BREAK,
     AST_MACRO,          /* name, params, body */
     AST_INCLUDE,        /* right */
-    AST_VERSION,        /* right */
+    AST_VERSION,        /* right; third: an AST_ERROR about what follows, or NULL */
     AST_MESSAGE,        /* op: 'd' debug, 'w' warning, 'e' error, 'r' render, 's' statistics: right */
     AST_DEFAULT,        /* body */
     AST_FOPEN,          /* name, right, word (read, write, append) */
@@ -127,6 +127,10 @@ struct ast {
     };
 };
 
+enum {
+    AST_ERROR_LATE = 'd',       /* of an ERROR: a directive stands in the place of something else */
+    AST_ERROR_LABEL = 'e',      /* an #else, #case ... that belongs to nothing */
+};
 enum { AST_OP_LE = 'l', AST_OP_GE = 'g', AST_OP_NE = 'n' };
 enum { AST_GRAY = 8, AST_GREY };      /* .grey: in functions only */
 

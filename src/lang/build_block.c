@@ -6,6 +6,7 @@
 #include "lang/ast.h"
 #include "lang/build.h"
 #include "lang/colour.h"
+#include "lang/frame.h"
 #include "lang/guess.h"
 #include "lang/parsing.h"
 #include "lang/scope.h"
@@ -163,6 +164,8 @@ void build_unknown(struct lang *l, const struct item *i, const char *block,
                 l->reader->unclosed = true;
         } else
             misplaced_word(l, i, block, tables);
+        if (i->kind == ITEM_WORD && i->word->block && !is_statement(i))
+            error_is_late(l);
         if (i->kind == ITEM_WORD)
             skip_values(l);
         return;

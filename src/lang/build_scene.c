@@ -3,6 +3,7 @@
 
 #include "lang/build.h"
 #include "lang/colour.h"
+#include "lang/frame.h"
 #include "lang/guess.h"
 
 /* --- what blocks there are -------------------------------------------------------------- */
@@ -246,9 +247,11 @@ static void unknown_statement(struct lang *l, struct reader *r, const struct ite
                                            : "'%s' is not declared, and no statement%s",
                    i->text, guess_text(&g, l));
         guess_note(&g, l);
-    } else if (i->kind == ITEM_WORD && i->word->block)
+    } else if (i->kind == ITEM_WORD && i->word->block) {
         diag_error(l->diag, i->at, "'%s' needs braces: %s { }", i->text, i->text);
-    else
+        if (i->word->block->use || i->word->block->makes == VALUE_NONE)
+            error_is_late(l);
+    } else
         diag_error(l->diag, i->at, "%s cannot stand outside of all blocks", item_describe(l, i));
 }
 
@@ -268,7 +271,10 @@ static bool old_setting(struct lang *l, struct reader *r, const struct item *i)
     if (i->kind != ITEM_WORD || !(item_is(i, "max_trace_level") || item_is(i, "max_intersections")))
         return false;
     diag_warning(l->diag, i->at, "%s belongs in global_settings { }", i->text);
+    unsigned errors = l->diag->errors;
     double n = reader_number(r, false, i->text);
+    if (errors != l->diag->errors && reader_peek(r)->kind == ITEM_END)
+        error_is_late(l);
     if (item_is(i, "max_trace_level"))
         l->scene->settings.max_trace_level = (int)fmin(fmax(n, 1), 256);
     return true;

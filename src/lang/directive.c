@@ -240,6 +240,16 @@ static void assign_name(struct lang *l, const struct ast *node, struct value *v)
         *b->value = *v;
 }
 
+/* Numbers do, and what is read like them: the names of functions and splines. */
+static bool needs_semicolon(const struct ast *node, const struct value *v)
+{
+    const struct ast *first = node->value->first;
+
+    return value_is_number(v)
+        || ((v->type == VALUE_FUNCTION || v->type == VALUE_SPLINE)
+            && (first->kind == AST_NAME || first->kind == AST_INDEX));
+}
+
 static void declare(struct lang *l, const struct ast *node)
 {
     struct value v;
@@ -248,19 +258,25 @@ static void declare(struct lang *l, const struct ast *node)
     if ((node->marks || !node->target) && !check_marks(l, node))
         return;
     l->declaring = node->target->name;
+    unsigned errors = l->diag->errors;
     if (!declared_value(l, node->value, &v, &semicolon)) {
         /* The name is known from now on: one mistake, one message. */
         if (node->target->kind != AST_NAME || scope_find(node->target->name))
             return;
         harmless(&v);
         is_broken = true;
-    } else if (!semicolon && value_is_number(&v) && !l->diag->errors
+    } else if (!semicolon && needs_semicolon(node, &v) && !l->diag->errors
                && l->version >= 350) {      /* older scenes may lack it */
         struct loc end = node->value->last ? node->value->last->at : node->at;
         end.begin = end.end;
         diag_error(l->diag, end, "';' is missing behind this declaration");
         l->reader->failed = true;       /* what follows may have been part of it */
+        if (!value_is_number(&v))
+            error_is_late(l);
     }
+    const struct ast *first = node->value->first;
+    if (errors != l->diag->errors && first && first->kind == AST_NAME && is_macro(first->name))
+        error_is_late(l);       /* its ( ) might come behind directives */
     if (node->n > 1 && !value_is_number(&v))
         diag_error(l->diag, node->at, "a second ';' can follow the declaration of numbers only");
     if (v.n == 5)
@@ -394,7 +410,7 @@ static bool for_goes_on(struct lang *l, struct frame *f)
         return false;
     }
     double x = b->value->v[0];
-    return (f->step > 0 ? x <= f->end + tolerance : x >= f->end - tolerance)
+    return (f->step > 0 ? x - f->end < tolerance : x - f->end > -tolerance)
         && round_counts(l, f->node->at);
 }
 
@@ -455,7 +471,11 @@ bool frame_end(struct lang *l)
     bool again = false;
     unsigned which = l->n_frame - 1;
 
-    if (f->kind == FRAME_WHILE)
+    bool is_loop = f->kind == FRAME_WHILE || f->kind == FRAME_FOR;
+
+    if (is_loop && !(f->node->body->flags & AST_CLOSED))
+        ;                       /* its #end, from which it would go back, is missing */
+    else if (f->kind == FRAME_WHILE)
         again = while_goes_on(l, f);
     else if (f->kind == FRAME_FOR) {
         struct binding *b = scope_find(f->node->name);
@@ -498,7 +518,7 @@ static bool say_no_label(struct lang *l, struct loc at)
 /* Directives and macros may stand before the first label: they are carried out. */
 static bool begin_switch(struct lang *l, const struct ast *from, const struct ast *label)
 {
-    struct ast list = { .kind = AST_LIST, .at = from->at };
+    struct ast list = { .kind = AST_LIST };
     struct reader r;
 
     for (const struct ast *a = from; a != label; a = a->next) {
@@ -519,12 +539,12 @@ static void start_switch(struct lang *l, const struct ast *node)
         return;
     while (a && a->kind != AST_CASE)
         a = a->next;
+    if (a != first && !begin_switch(l, first, a))
+        return;
     if (!a || !a->args) {
         say_no_label(l, a ? a->at : node->at);
         return;
     }
-    if (a != first && !begin_switch(l, first, a))
-        return;
     for (; a; a = a->next)
         if (a->kind == AST_CASE && label_matches(l, a, x)) {
             frame_push(l, FRAME_SWITCH, node->body, node)->next = a->next;
@@ -599,12 +619,28 @@ static bool has_macros(struct lang *l, struct loc at)
     return l->version >= 310;
 }
 
+/* An #else or #case that belongs to nothing in a body; NULL: there is none.  POV-Ray sees it
+ * in what it passes over, where all other mistakes stay unseen. */
+static const struct ast *stray_label(const struct ast *body)
+{
+    const struct ast *a = body->first;
+
+    while (a && !(a->kind == AST_ERROR && a->op == AST_ERROR_LABEL))
+        a = a->next;
+    return a;
+}
+
 static void define_macro(struct lang *l, const struct ast *node)
 {
+    const struct ast *stray = stray_label(node->body);
     int n;
 
     if (!has_macros(l, node->at))
         return;
+    if (stray) {
+        diag_error(l->diag, stray->at, "%s", stray->text);
+        return;
+    }
 
     if (node->args) {
         say_parse_error(l, node->args);
@@ -822,7 +858,7 @@ bool macro_call(struct lang *l, const struct ast *call)
                    "(ulimit -s)", m->name->text);
         return false;
     }
-    if (say_unclosed(l, call->args) || !has_macros(l, call->at) || !round_counts(l, call->at))
+    if (say_unclosed(l, call->args, true) || !has_macros(l, call->at) || !round_counts(l, call->at))
         return false;
     if (m->n > FEW)
         argument = arena_array(l->mem, (size_t)m->n, sizeof *argument);
@@ -850,6 +886,21 @@ static void undef(struct lang *l, const struct ast *node)
         scope_undef(l, target->name);
 }
 
+static void use_version(struct lang *l, struct loc at, double number, bool semicolon)
+{
+    int version = value_whole(floor(number * 100 + 0.5));
+
+    if (version > 370) {
+        diag_error(l->diag, at, "this scene is for version %g of the language; rtc knows 3.7", number);
+        return;
+    }
+    if (!semicolon)
+        diag_warning(l->diag, at, "';' is missing behind #version");
+    l->version = version;
+    l->version_given = true;
+    build_version(l);
+}
+
 static void set_version(struct lang *l, const struct ast *node)
 {
     struct value v;
@@ -859,24 +910,42 @@ static void set_version(struct lang *l, const struct ast *node)
         diag_error(l->diag, first->at, "a macro call behind #version needs parentheses");
         return;
     }
+    if (node->third) {
+        diag_error(l->diag, node->third->at, "%s", node->third->text);
+        return;
+    }
     evaluate(l, node->right, &v);
     if (v.type != VALUE_NUMBER || v.n != 1) {
         wrong_type(l, node->right->at, &v, "a number");
         return;
     }
-    int version = value_whole(floor(v.v[0] * 100 + 0.5));
-    if (version > 370) {
-        diag_error(l->diag, node->right->at,
-                   "this scene is for version %g of the language; rtc knows 3.7", v.v[0]);
-        return;
-    }
-    if (!(node->flags & AST_SEMI))
-        diag_warning(l->diag, node->at, "';' is missing behind #version");
-    l->version = version;
-    l->version_given = true;
+    use_version(l, node->right->at, v.v[0], node->flags & AST_SEMI);
     if (node->at.source == l->main_source)
         l->version_at = node->at;
-    build_version(l);
+}
+
+/* `version 3.7;` without '#': POV-Ray takes the ';' for the end of the scene. */
+void version_without_hash(struct lang *l, struct reader *r)
+{
+    struct loc at = reader_look(r)->at;
+    unsigned errors = l->diag->errors;
+
+    r->has_node = false;
+    const struct ast *follows = l->frame[l->n_frame - 1].next;
+    if (chain_is_interrupted(r)
+        || (follows && follows->kind == AST_CALL && is_macro(follows->name)))
+        diag_error(l->diag, at, "'version' lacks its '#' and its number");
+    double number = l->diag->errors == errors ? reader_number(r, false, "version") : 0;
+    if (l->diag->errors != errors)
+        return;
+    const struct ast *next = r->has_item ? NULL : reader_look(r);
+    bool ends = next && next->kind == AST_SEMICOLON;
+    use_version(l, at, number, ends);
+    if (ends && l->diag->errors == errors)
+        diag_warning(l->diag, at, "'version' lacks its '#': nothing behind it is read, in POV-Ray neither");
+    else if (l->diag->errors == errors)
+        diag_warning(l->diag, at, "'version' lacks its '#'");
+    l->stopped |= ends;
 }
 
 static void set_default(struct lang *l, const struct ast *node)

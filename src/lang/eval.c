@@ -572,20 +572,44 @@ static int spliced_values(struct lang *l, const struct ast *list, struct values 
     return fine ? values->n : -1;
 }
 
+static bool is_simple(const struct ast *a)
+{
+    return a->kind == AST_NUMBER || a->kind == AST_TEXT || a->kind == AST_NAME
+        || a->kind == AST_CONSTANT || a->kind == AST_LITERAL;
+}
+
+/* Carries out the directives of a list, up to what may be a mistake itself; strict:
+ * POV-Ray takes none behind a value. */
+static void run_directives(struct lang *l, const struct ast *list, bool strict)
+{
+    struct reader r;
+    const struct ast *a;
+
+    reader_open(&r, l, list);
+    do
+        a = reader_step(&r);
+    while (a && (a->kind == AST_COMMA
+                 || (is_simple(a) && !(strict && chain_is_interrupted(&r)))));
+    reader_close(&r);
+}
+
 /* A list whose end is missing holds what was meant to stand behind it. */
-bool say_unclosed(struct lang *l, const struct ast *list)
+bool say_unclosed(struct lang *l, const struct ast *list, bool strict)
 {
     const struct ast *last = list->last;
+    unsigned errors = l->diag->errors;
 
     if (!last || last->kind != AST_ERROR || !last->other.source)
         return false;
-    say_parse_error(l, last);
+    run_directives(l, list, strict);
+    if (errors == l->diag->errors)
+        say_parse_error(l, last);
     return true;
 }
 
 int evaluate_list(struct lang *l, const struct ast *list, struct values *values, bool commas)
 {
-    if (say_unclosed(l, list))
+    if (say_unclosed(l, list, false))
         return -1;
     values->item = values->usual;
     values->n = 0;

@@ -30,7 +30,8 @@ struct evaluated { struct value value; const struct ast *from; };
 struct values { struct evaluated usual[USUAL_VALUES], *item; int n; bool last_comma; };
 int evaluate_list(struct lang *l, const struct ast *list, struct values *values, bool commas);
 
-bool say_unclosed(struct lang *l, const struct ast *list);  /* its closing bracket is missing */
+bool say_unclosed(struct lang *l, const struct ast *list, bool strict); /* its closing bracket is missing,
+                                                                           which is said behind its directives */
 bool is_true(double x);
 bool is_equal(double a, double b);
 void binary(struct lang *l, struct loc at, int op, struct value *left, const struct value *right);

@@ -333,6 +333,11 @@ void file_open(struct lang *l, const struct ast *node)
         scope_declare_broken(l, (struct name *)node->name, node->at);
         return;
     }
+    if (!reads && !word_is(node->word, "write") && !word_is(node->word, "append")) {
+        diag_error(l->diag, node->at, "expected read, write or append, found '%s'", node->word->text);
+        scope_declare_broken(l, (struct name *)node->name, node->at);
+        return;
+    }
     if (scope_find(node->name)) {
         diag_error(l->diag, node->at, "'%s' is declared already", node->name->text);
         return;
@@ -370,8 +375,10 @@ static struct handle *find_handle(struct lang *l, const struct name *name)
 
 void file_close(struct lang *l, const struct ast *node)
 {
-    struct handle *h = find_handle(l, node->name);
+    struct handle *h = node->name ? find_handle(l, node->name) : NULL;
 
+    if (!node->name)
+        diag_warning(l->diag, node->at, "#fclose takes the name of a file");
     if (!h)
         return;
     if (!h->is_pretended)

@@ -42,6 +42,13 @@ bool frame_break(struct reader *r, const struct ast *node);
 const struct ast *reader_step(struct reader *r);
 const struct ast *reader_look(struct reader *r);    /* the same, not taken */
 
+/* The reader stands at the word version where a statement should. */
+void version_without_hash(struct lang *l, struct reader *r);
+
+/* The error just said came of a directive in the place of something else. */
+void error_is_late(struct lang *l);
+bool lang_is_quiet(const struct lang *l);       /* what the scene would say now may be wrong */
+
 /* After a mistake at the top level: on to the next block or directive. */
 void reader_resume(struct reader *r);
 

@@ -217,6 +217,60 @@ static bool is_rest(const struct reader *r, const struct item *i)
     return r->failed && (i->kind == ITEM_VALUE || (i->kind == ITEM_WORD && !i->word->block));
 }
 
+/* A macro's name alone: whether ( ) follows is told by what comes after directives. */
+static bool is_late(struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    return a && a->kind == AST_NAME && is_macro(a->name);
+}
+
+/* An expression is nothing at the top level: the directives in it are not carried out. */
+static bool say_expression(struct lang *l, struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    if (!a || (a->kind != AST_PAREN && a->kind != AST_VECTOR && a->kind != AST_UNARY)
+        || (a->kind != AST_UNARY && a->args->flags & AST_PLAIN))
+        return false;
+    diag_error(l->diag, a->at, "an expression cannot stand outside of all blocks");
+    r->has_node = false;
+    return true;
+}
+
+static bool has_more(struct reader *r)
+{
+    return !r->lang->stopped && (r->has_item ? r->item.kind != ITEM_END : reader_look(r) != NULL);
+}
+
+static bool is_version(struct reader *r)
+{
+    const struct ast *a = r->has_item ? NULL : reader_look(r);
+
+    return a && a->kind == AST_CONSTANT && word_is(a->word, "version");
+}
+
+/* One statement; false: what follows makes no sense up to the next block or directive. */
+static bool build_item(struct lang *l, struct reader *r)
+{
+    unsigned errors = l->diag->errors;
+    bool late = is_late(r);
+
+    if (say_expression(l, r))
+        return false;
+    if (is_version(r)) {
+        version_without_hash(l, r);
+        return errors == l->diag->errors;
+    }
+    struct item i = reader_next(r);
+    if (i.kind != ITEM_END)
+        build_statement(l, r, i);
+    if (late && errors != l->diag->errors)
+        error_is_late(l);
+    return !is_part(l, &i)
+        && ((errors == l->diag->errors && !is_rest(r, &i)) || i.kind == ITEM_BLOCK);
+}
+
 static void build_items(struct lang *l, const struct ast *tree)
 {
     struct reader r;
@@ -224,12 +278,8 @@ static void build_items(struct lang *l, const struct ast *tree)
     reader_open(&r, l, tree);
     if (l->skipping)
         reader_resume(&r);
-    while (!l->stopped && reader_peek(&r)->kind != ITEM_END) {
-        struct item i = reader_next(&r);
-        unsigned errors = l->diag->errors;
-        build_statement(l, &r, i);
-        l->skipping = is_part(l, &i) || ((errors != l->diag->errors || is_rest(&r, &i))
-                                         && i.kind != ITEM_BLOCK);
+    while (has_more(&r)) {
+        l->skipping = !build_item(l, &r);
         if (l->skipping)
             reader_resume(&r);
         r.failed = false;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "lang/eval.h"
+#include "lang/frame.h"
 
 enum { LINE_WIDTH = 80, LINE_ROOM = 20, DEBUG_MOST = 200, DEBUG_CUT = 156, TEXT_MOST = 160,
        TEXT_CUT = 124 };
@@ -39,7 +40,7 @@ static size_t fold(const char *line, size_t n)
     return LINE_WIDTH;
 }
 
-/* Shows what of a line is too long to wait; what is left moves to its start. */
+/* Shows all full lines; what is left moves to the start. */
 static void print_full(FILE *out, char *line, size_t *n)
 {
     while (*n > LINE_WIDTH) {
@@ -59,9 +60,11 @@ static void add(struct lang *l, char **line, size_t *n, size_t *room, const char
         *line = arena_grow(l->mem, *line, *n, room, 1);
         if (*text != '\n' && *text != '\r') {
             (*line)[(*n)++] = *text;
-            print_full(out, *line, n);
+            if (*n > 2 * LINE_WIDTH)        /* too long to wait for its end */
+                print_full(out, *line, n);
             continue;
         }
+        print_full(out, *line, n);
         if (out)
             fprintf(out, "%.*s\n", (int)*n, *line);
         *n = 0;
@@ -98,8 +101,8 @@ void message_say(struct lang *l, const struct ast *node)
         trim(text);
         diag_error(l->diag, node->at, "%s", text);
         l->stopped = true;
-    } else if (l->diag->errors)
-        return;                 /* what the scene would say now may be wrong */
+    } else if (lang_is_quiet(l))
+        return;
     else if (node->op == 'w') {
         trim(text);
         diag_remark(l->diag, node->at, text);

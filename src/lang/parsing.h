@@ -55,8 +55,8 @@ struct parse {
     struct open *open;
     unsigned n_open;
     struct loc closed;          /* the '{' that was closed last */
-    int last;                   /* the token before, ... */
-    struct name *last_word;     /* ... and its name */
+    int before, last;           /* the two tokens before, ... */
+    struct name *last_word;     /* ... and the last one's name */
     bool file_name;             /* a text that follows is a file's name */
     int function;               /* 1: behind the word function, 2: behind its ( ), else 0 */
     bool deep;                  /* nested beyond the limit: the rest is not read */

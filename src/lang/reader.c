@@ -59,10 +59,36 @@ void reader_open(struct reader *r, struct lang *l, const struct ast *body)
     reader_start(r, l, body ? body : &nothing);
 }
 
+/* POV-Ray carries out the directives that stand where it wants something else, and says
+ * only then that it is not there: what they write counts. */
+void error_is_late(struct lang *l)
+{
+    unsigned before = l->diag->errors - 1;
+
+    if (before && before != l->late.errors)
+        return;                 /* an earlier one was not */
+    l->late.errors = l->diag->errors;
+    l->late.nesting = l->nesting;
+}
+
+bool lang_is_quiet(const struct lang *l)
+{
+    return l->diag->errors && l->diag->errors != l->late.errors;
+}
+
+/* Here is what is no directive, or the end of a block. */
+static void end_lateness(struct lang *l)
+{
+    if (l->nesting <= l->late.nesting)
+        l->late.errors = 0;
+}
+
 void reader_close(struct reader *r)
 {
     struct lang *l = r->lang;
 
+    if (l->late.errors && r->outer)
+        end_lateness(l);
     while (l->n_frame > r->base)
         frame_pop(l);
     l->reader = r->outer;
@@ -107,13 +133,16 @@ static void say_error(struct reader *r, const struct ast *a)
         return;
     say_parse_error(r->lang, a);
     r->lang->stopped |= (a->flags & AST_FATAL) != 0;
+    if (a->op == AST_ERROR_LATE)
+        error_is_late(r->lang);
 }
 
 /* Behind such a place, the list makes sense again at the next block or
- * directive. */
-static const struct ast *resume(const struct ast *a)
+ * directive, or macro when what came before waits for it. */
+static const struct ast *resume(const struct lang *l, const struct ast *a)
 {
-    while (a && a->kind != AST_BLOCK && a->kind < AST_DECLARE && a->kind != AST_ERROR)
+    while (a && a->kind != AST_BLOCK && a->kind < AST_DECLARE && a->kind != AST_ERROR
+           && !(l->late.errors && a->kind == AST_CALL && is_macro(a->name)))
         a = a->next;
     return a;
 }
@@ -123,7 +152,7 @@ static bool is_directive(const struct ast *a)
     return a->kind >= AST_DECLARE && a->kind != AST_CASE;
 }
 
-const struct ast *reader_step(struct reader *r)
+static const struct ast *step(struct reader *r)
 {
     struct lang *l = r->lang;
 
@@ -142,7 +171,7 @@ const struct ast *reader_step(struct reader *r)
             direct(r, a);
         } else if (a->kind == AST_ERROR) {
             say_error(r, a);
-            f->next = resume(a->next);
+            f->next = resume(l, a->next);
         } else if (a->kind == AST_CALL && is_macro(a->name)) {
             f->next = a->next;
             macro_call(l, a);
@@ -154,6 +183,15 @@ const struct ast *reader_step(struct reader *r)
         }
     }
     return NULL;
+}
+
+const struct ast *reader_step(struct reader *r)
+{
+    const struct ast *a = step(r);
+
+    if (r->lang->late.errors && a)
+        end_lateness(r->lang);
+    return a;
 }
 
 const struct ast *reader_look(struct reader *r)
@@ -407,8 +445,13 @@ void reader_resume(struct reader *r)
 {
     struct frame *f = &r->lang->frame[r->lang->n_frame - 1];
 
-    if (!r->has_node && !r->has_item && !f->bulk_comma)
-        f->next = resume(f->next);
+    const struct ast *next = resume(r->lang, f->next);
+
+    if (r->has_node || r->has_item || f->bulk_comma)
+        return;
+    if (next != f->next)
+        end_lateness(r->lang);
+    f->next = next;
 }
 
 bool reader_skip_comma(struct reader *r)

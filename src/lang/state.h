@@ -79,6 +79,7 @@ struct lang {
     size_t stack_room;                  /* ... and what of it may be used */
     bool guessed;                       /* trace or inside met what is not supported */
     bool skipping;                      /* on to the next block or directive of the top level */
+    struct { unsigned errors, nesting; } late;      /* the error that waits for what follows; 0: none */
     bool stopped;                       /* read nothing more */
     bool limit_reached;                 /* exit code 4 */
 };
