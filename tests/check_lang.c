@@ -226,6 +226,8 @@ START_TEST(test_a_label_that_belongs_to_nothing_ends_a_macro)
 {
     fails_with("#macro M() #else #end\n", "this closes nothing");
     fails_with("#macro M() #case (1) #end\n", "this closes nothing");
+    fails_with("#macro M)( #end\n", "#macro takes a name");
+    fails_with("sphere { 0, # 1 }\n", "unknown directive");
 }
 END_TEST
 

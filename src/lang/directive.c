@@ -646,7 +646,8 @@ static void define_macro(struct lang *l, const struct ast *node)
         say_parse_error(l, node->args);
         if (!node->name)
             return;
-    }
+    } else if (!node->name)
+        diag_error(l->diag, node->at, "#macro takes a name and its parameters in ( )");
     if (!node->name || !check_parameters(l, node, &n))
         return;
     struct binding *old = scope_find(node->name);

@@ -46,13 +46,16 @@ void lang_limit(struct lang *l, struct loc at, const char *format, ...)
     char text[512];
     va_list args;
 
+    bool first = !l->diag->errors;      /* else a mistake may be why it does not end */
+
     if (l->limit_reached)
         return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     diag_error(l->diag, at, "%s", text);
-    l->stopped = l->limit_reached = true;
+    l->stopped = true;
+    l->limit_reached = first;
 }
 
 /* An eighth is left for what recurses less, and for the library. */
