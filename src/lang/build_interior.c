@@ -35,6 +35,19 @@ static void add_density(struct lang *l, const struct item *block, struct media *
     m->density = more;
 }
 
+/* samples LEAST [, MOST] */
+static void read_samples(struct reader *r, const struct item *i, struct media *m)
+{
+    m->samples_min = m->samples_max = reader_whole(r, false, "samples");
+    reader_skip_comma(r);
+    if (reader_is_number(r))
+        m->samples_max = reader_whole(r, false, "samples");
+    if (m->samples_min < 1)
+        diag_error(r->lang->diag, i->at, "samples: there must be one at least");
+    else if (m->samples_max < m->samples_min)
+        diag_error(r->lang->diag, i->at, "samples: the most is smaller than the least");
+}
+
 static bool read_media_item(struct reader *r, const struct item *i, struct media *m)
 {
     struct transform t;
@@ -45,12 +58,9 @@ static bool read_media_item(struct reader *r, const struct item *i, struct media
         read_scattering(r, i, m);
     else if (item_is_block(i, "density"))
         add_density(r->lang, i, m);
-    else if (i->kind == ITEM_WORD && item_is(i, "samples")) {
-        m->samples_min = m->samples_max = reader_whole(r, false, "samples");
-        reader_skip_comma(r);
-        if (reader_is_number(r))
-            m->samples_max = reader_whole(r, false, "samples");
-    } else
+    else if (i->kind == ITEM_WORD && item_is(i, "samples"))
+        read_samples(r, i, m);
+    else
         return build_from_table(r, media_fields, i, m);
     return true;
 }

@@ -23,6 +23,8 @@ struct unkept { double number, more; vec3 vector; bool flag; };
 #define PAIR(word) { word, FIELD_CUSTOM, 0, ANY, "" }
 
 static const struct field one_number[] = { NUMBER(""), FIELD_END };
+static const struct field tiling_number[] = {
+    { "", FIELD_NUM, offsetof(struct unkept, number), 1, 27, "" }, FIELD_END };
 static const struct field one_vector[] = { VECTOR(""), FIELD_END };
 static const struct field crackle_words[] = {
     VECTOR("form"), NUMBER("metric"), NUMBER("offset"), FLAG("solid"), FIELD_END };
@@ -54,7 +56,7 @@ static const struct syntax syntaxes[] = {
     { "quilted", NULL, quilted_words, 0 }, { "radial", NULL, NULL, 0 }, { "ripples", NULL, NULL, 0 },
     { "slope", NULL, NULL, 0 }, { "spherical", NULL, NULL, 0 }, { "spiral1", one_number, NULL, 0 },
     { "spiral2", one_number, NULL, 0 }, { "spotted", NULL, NULL, 0 }, { "square", NULL, NULL, 4 },
-    { "tiling", one_number, NULL, 0 }, { "triangular", NULL, NULL, 6 }, { "waves", NULL, NULL, 0 },
+    { "tiling", tiling_number, NULL, 0 }, { "triangular", NULL, NULL, 6 }, { "waves", NULL, NULL, 0 },
     { "wood", NULL, NULL, 0 }, { "wrinkles", NULL, NULL, 0 }, { "bump_map", NULL, NULL, 0 },
     { .name = NULL },
 };
@@ -363,6 +365,8 @@ static void skip_special(struct reader *r, struct patterned *p, const struct ite
 {
     const char *w = p->word;
 
+    if (strcmp(w, "facets") == 0 && p->of != VALUE_NORMAL)
+        diag_error(r->lang->diag, i->at, "facets can only stand in normal");
     if (strcmp(w, "slope") == 0)
         skip_slope(r, i);
     else if (strcmp(w, "object") == 0)
@@ -374,7 +378,9 @@ static void skip_special(struct reader *r, struct patterned *p, const struct ite
             diag_error(r->lang->diag, reader_at(r), "density_file needs df3 and a file name");
         reader_text(r, false, "density_file");
     } else if (strcmp(w, "magnet") == 0) {
-        reader_number(r, false, "magnet");
+        int type = reader_whole(r, false, "magnet");
+        if (type != 1 && type != 2)
+            diag_error(r->lang->diag, i->at, "magnet has the types 1 and 2");
         if (reader_takes_word(r, "mandel"))
             reader_number(r, false, "mandel");
         else if (reader_takes_word(r, "julia")) {
@@ -597,6 +603,12 @@ static const struct { const char *word, *values; } warp_words[] = {
     { "planar", "VN" }, { "orientation", "v" }, { "dist_exp", "n" }, { "major_radius", "n" },
 };
 
+static void check_warp(struct reader *r, const struct item *i, vec3 v)
+{
+    if (item_is(i, "repeat") && (v.x != 0) + (v.y != 0) + (v.z != 0) != 1)
+        diag_error(r->lang->diag, i->at, "repeat goes along one axis, as in repeat 2*x");
+}
+
 static bool read_warp_word(struct reader *r, const struct item *i)
 {
     for (size_t w = 0; w < sizeof warp_words / sizeof *warp_words; w++) {
@@ -606,7 +618,7 @@ static bool read_warp_word(struct reader *r, const struct item *i)
             if (*v < 'a' && !(reader_skip_comma(r), reader_is_number(r)))
                 break;
             if (*v == 'v' || *v == 'V')
-                build_vector(r, true, warp_words[w].word);
+                check_warp(r, i, build_vector(r, true, warp_words[w].word));
             else
                 reader_number(r, true, warp_words[w].word);
         }
@@ -619,12 +631,17 @@ static void read_warp(struct reader *r, struct patterned *p, const struct item *
 {
     const struct field *const tables[] = { warp_fields, NULL };
     struct reader in;
+    bool is_empty = true;
 
     reader_open(&in, r->lang, i->body);
-    for (struct item word = reader_next(&in); word.kind != ITEM_END; word = reader_next(&in))
+    for (struct item word = reader_next(&in); word.kind != ITEM_END; word = reader_next(&in)) {
+        is_empty = false;
         if (!read_warp_word(&in, &word))
             build_unknown(r->lang, &word, "warp", tables);
+    }
     reader_close(&in);
+    if (is_empty)
+        diag_error(r->lang->diag, i->at, "warp { } is empty: it needs a kind, as in warp { repeat x }");
     p->unsupported = "warp";
 }
 
