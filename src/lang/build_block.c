@@ -1,5 +1,6 @@
 /* build_block.c: what all blocks have in common: words with values, unknown
  * words, transforms, declared things to start from. */
+#include <float.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -203,7 +204,9 @@ static double in_range(struct reader *r, const struct field *f, const char *word
 {
     if (f->low > f->high || (x >= f->low && x <= f->high))
         return x;
-    if (isinf(f->high))
+    if (f->low == DBL_MIN && (isinf(f->high) || x < f->low))
+        diag_error(r->lang->diag, at, "%s must be above 0, not %g", word, x);
+    else if (isinf(f->high))
         diag_error(r->lang->diag, at, "%s must be at least %g, not %g", word, f->low, x);
     else if (isinf(f->low))
         diag_error(r->lang->diag, at, "%s must be at most %g, not %g", word, f->high, x);

@@ -58,7 +58,11 @@ static void read_angle(struct reader *r, struct camera_words *w)
 {
     if (w->kind == CAMERA_ORTHOGRAPHIC && !reader_is_number(r))
         return;
+    struct loc at = reader_at(r);
+
     w->angle = reader_number(r, false, "angle");
+    if (w->angle < 0)
+        diag_error(r->lang->diag, at, "angle must not be negative");
     w->has_angle = true;
     if (w->kind != CAMERA_SPHERICAL)
         return;

@@ -1,4 +1,6 @@
 /* build_settings.c: global_settings { }, and what the scene's numbers mean. */
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "lang/build.h"
@@ -7,15 +9,18 @@
 /* Read, checked, then dropped with one warning: rows of blocks not rendered yet. */
 struct unkept { double number; bool flag; const char *text; };
 #define NUMBER(word) { word, FIELD_NUM, offsetof(struct unkept, number), ANY, "" }
+#define RANGE(word, ...) { word, FIELD_NUM, offsetof(struct unkept, number), __VA_ARGS__, "" }
+#define ABOVE_0 DBL_MIN, INFINITY
 #define FLAG(word) { word, FIELD_FLAG, offsetof(struct unkept, flag), ANY, "" }
 #define TEXT(word) { word, FIELD_TEXT, offsetof(struct unkept, text), ANY, "" }
 #define NUMBERS(word, n) { word, FIELD_CUSTOM, n, ANY, "" }    /* the first must be there */
 
 const struct field radiosity_fields[] = {
-    NUMBER("pretrace_start"), NUMBER("pretrace_end"), NUMBERS("count", 2),
-    NUMBERS("nearest_count", 2), NUMBER("error_bound"), NUMBER("low_error_factor"),
-    NUMBER("minimum_reuse"), NUMBER("maximum_reuse"), NUMBER("recursion_limit"),
-    NUMBER("gray_threshold"), NUMBER("brightness"), NUMBER("adc_bailout"), NUMBER("max_sample"),
+    RANGE("pretrace_start", DBL_MIN, 1), NUMBER("pretrace_end"), NUMBERS("count", 2),
+    NUMBERS("nearest_count", 2), RANGE("error_bound", ABOVE_0), RANGE("low_error_factor", ABOVE_0),
+    NUMBER("minimum_reuse"), RANGE("maximum_reuse", ABOVE_0), RANGE("recursion_limit", 1, 20),
+    RANGE("gray_threshold", 0, 1), RANGE("brightness", ABOVE_0), RANGE("adc_bailout", ABOVE_0),
+    NUMBER("max_sample"),
     FLAG("normal"), FLAG("media"), FLAG("subsurface"), FLAG("always_sample"), NUMBER("importance"),
     TEXT("load_file"), TEXT("save_file"), FIELD_END,
 };
@@ -70,13 +75,13 @@ static void read_gamma(struct reader *r)
     bool srgb = reader_takes_word(r, "srgb");
     double gamma = srgb ? 2.2 : reader_number(r, false, "assumed_gamma");
 
-    if (s->has_assumed_gamma) {
-        diag_warning(r->lang->diag, at, "a second assumed_gamma: the first one counts");
-        return;
-    }
     if (!(gamma > 0)) {
         diag_error(r->lang->diag, at, "assumed_gamma must be above 0");
         gamma = 1;
+    }
+    if (s->has_assumed_gamma) {
+        diag_warning(r->lang->diag, at, "a second assumed_gamma: the first one counts");
+        return;
     }
     s->has_assumed_gamma = true;
     s->gamma = gamma;

@@ -1,7 +1,7 @@
 /* atmosphere.c: words and defaults of media, fog, rainbow and sky_sphere. */
 #include "scene/atmosphere.h"
 
-#include <limits.h>
+#include <math.h>
 #include <stddef.h>
 
 #define IDENTITY { { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } }, \
@@ -16,7 +16,7 @@ const struct media media_default = {
 #define MEMBER(m) offsetof(struct media, m)
 
 const struct field media_fields[] = {
-    { "intervals", FIELD_INT, MEMBER(intervals), 1, INT_MAX, "pieces a ray is cut into" },
+    { "intervals", FIELD_INT, MEMBER(intervals), 1, INFINITY, "pieces a ray is cut into" },
     { "samples", FIELD_CUSTOM, MEMBER(samples_min), ANY, "least [, most] samples in an interval" },
     { "method", FIELD_INT, MEMBER(method), 1, 3, "how samples are placed" },
     { "jitter", FIELD_NUM, MEMBER(jitter), ANY, "randomness of samples" },

@@ -2,7 +2,7 @@
  * texture moves with its object. */
 #include "scene/texture.h"
 
-#include <limits.h>
+#include <math.h>
 
 #include "scene/object.h"
 
@@ -27,7 +27,7 @@ const struct interior interior_default = { .dispersion = 1, .dispersion_samples 
 const struct field interior_fields[] = {
     { "ior", FIELD_NUM, MEMBER(ior), ANY, "index of refraction" },
     { "dispersion", FIELD_NUM, MEMBER(dispersion), ANY, "ratio of violet's ior to red's" },
-    { "dispersion_samples", FIELD_INT, MEMBER(dispersion_samples), 2, INT_MAX, "colours that dispersion splits light into" },
+    { "dispersion_samples", FIELD_INT, MEMBER(dispersion_samples), 2, INFINITY, "colours that dispersion splits light into" },
     { "caustics", FIELD_NUM, MEMBER(caustics), ANY, "brightens the middle of shadows" },
     { "fade_distance", FIELD_NUM, MEMBER(fade_distance), ANY, "where light has faded by half" },
     { "fade_power", FIELD_NUM, MEMBER(fade_power), ANY, "how sharply light fades; 1000 and more: exponentially" },
