@@ -2,8 +2,9 @@
  * shading.md 4.3).
  *
  * Rays are quick when many go together.  So a point does not wait for one
- * sample after the other: the grids of many points are gone through as far as
- * the samples known so far lead, what is missing is asked for, all rays go at
+ * sample after the other: first all points look at the samples that each grid
+ * is asked for in any case; where these differ, the grids are gone through as
+ * far as the known samples lead, what is missing is asked for, all rays go at
  * once, and so on until nothing is missing.  Grids that are divided to the end
  * in any case are not gone through at all: what a sample counts for is then
  * the same everywhere. */
@@ -26,6 +27,7 @@ struct area_spot {
     double u, v;                        /* along the axes */
     vec3 at;
     float weight;                       /* where all are seen: their sum is 1 */
+    bool always;                        /* looked at whatever the others show */
 };
 
 void area_room_init(struct area_room *r, int n_sample, struct arena *mem)
@@ -40,6 +42,9 @@ void area_room_init(struct area_room *r, int n_sample, struct arena *mem)
     r->colour = arena_array(mem, together, sizeof *r->colour);
 }
 
+/* Where rays begin: the points that are looked at together. */
+struct starts { double x[BATCH], y[BATCH], z[BATCH], nx[BATCH], ny[BATCH], nz[BATCH], slack[BATCH]; };
+
 struct area {
     struct worker *w;
     const struct batch *b;
@@ -47,15 +52,15 @@ struct area {
     uint32_t number;                    /* the lamp's */
     int n_sample;
     struct area_spot *spot;
-    /* Points that are looked at together. */
-    const uint16_t *at;                 /* in the batch */
+    struct starts at_point;
+    const uint16_t *at;                 /* the same points in the batch */
     vec3 (*axis)[2];                    /* where they differ from point to point; else NULL: ... */
     vec3 all[2];                        /* ... these */
-    /* Rays to be sent: from the k-th point to a sample. */
+    /* Rays to be sent, of any of the points to any sample. */
     int n_ray;
-    uint16_t from[BATCH], point[BATCH];
+    uint16_t from[BATCH], point[BATCH]; /* number of the point; of the same in the batch */
     int sample[BATCH];
-    double nx[BATCH], ny[BATCH], nz[BATCH], slack[BATCH];
+    struct starts ray;
 };
 
 /* ---- the lamp's grid ---- */
@@ -113,6 +118,21 @@ static vec3 place_of(const struct lamp *l, double u, double v, const vec3 axis[2
     return vec_fma(vec_fma(l->centre, u, axis[0]), v, axis[1]);
 }
 
+/* The corners that are asked for first. */
+static void mark_always(const struct area *a, struct patch p, int level)
+{
+    struct patch quarter[4];
+
+    if (is_fine(p) || level >= a->lamp->area.adaptive) {
+        spot_at(a, p.u1, p.v1)->always = spot_at(a, p.u2, p.v1)->always = true;
+        spot_at(a, p.u2, p.v2)->always = spot_at(a, p.u1, p.v2)->always = true;
+        return;
+    }
+    quarters_of(p, quarter);
+    for (int k = 0; k < 4; k++)
+        mark_always(a, quarter[k], level + 1);
+}
+
 /* Returns whether every grid is divided to the end. */
 static bool lay_out(struct area *a)
 {
@@ -125,7 +145,9 @@ static bool lay_out(struct area *a)
             lamp_area_spot(l, i, j, &s->u, &s->v);
             s->at = place_of(l, s->u, s->v, a->all);
             s->weight = 0;
+            s->always = false;
         }
+    mark_always(a, whole_grid(l), 0);
     return weigh(a, whole_grid(l), 1) <= l->area.adaptive;
 }
 
@@ -191,36 +213,61 @@ static vec3 sample_seen_from(const struct area *a, vec3 p, int from, int sample)
     return place_of(a->lamp, u, v, a->axis ? a->axis[from] : a->all);
 }
 
-static void add_ray(struct area *a, int from, int sample)
+static void set_start(struct starts *s, int k, const struct starts *from, int i)
+{
+    s->x[k] = from->x[i];
+    s->y[k] = from->y[i];
+    s->z[k] = from->z[i];
+    s->nx[k] = from->nx[i];
+    s->ny[k] = from->ny[i];
+    s->nz[k] = from->nz[i];
+    s->slack[k] = from->slack[i];
+}
+
+static void aim_ray(struct area *a, int k, int from, int sample)
 {
     struct shadow_rays *r = &a->w->shadow_rays;
-    const struct points *p = &a->b->at;
-    int k = a->n_ray++, i = a->at[from];
-    vec3 to = sample_seen_from(a, vec(p->x[i], p->y[i], p->z[i]), from, sample);
+    const struct starts *p = &a->at_point;
+    vec3 to = sample_seen_from(a, vec(p->x[from], p->y[from], p->z[from]), from, sample);
 
-    a->from[k] = (uint16_t)from;
-    a->point[k] = (uint16_t)i;
-    a->sample[k] = sample;
-    r->x[k] = p->x[i];
-    r->y[k] = p->y[i];
-    r->z[k] = p->z[i];
     r->dx[k] = to.x;
     r->dy[k] = to.y;
     r->dz[k] = to.z;
-    a->nx[k] = p->nx[i];
-    a->ny[k] = p->ny[i];
-    a->nz[k] = p->nz[i];
-    a->slack[k] = p->slack[i];
 }
 
-static void send(struct area *a, struct lit *through)
+static void add_ray(struct area *a, int from, int sample)
 {
+    int k = a->n_ray++;
+
+    a->from[k] = (uint16_t)from;
+    a->point[k] = a->at[from];
+    a->sample[k] = sample;
+    set_start(&a->ray, k, &a->at_point, from);
+    aim_ray(a, k, from, sample);
+}
+
+/* From starts to the samples that are in the rays' directions. */
+static void send(struct area *a, int n, const struct starts *s, const uint16_t point[], struct lit *through)
+{
+    struct shadow_rays *r = &a->w->shadow_rays;
+    size_t size = (size_t)whole(n) * sizeof *s->x;
+
+    memcpy(r->x, s->x, size);
+    memcpy(r->y, s->y, size);
+    memcpy(r->z, s->z, size);
     if (a->lamp->parallel)
-        aim_from_target(a->n_ray, a->lamp->target, &a->w->shadow_rays);
+        aim_from_target(n, a->lamp->target, r);
     else
-        aim_at_samples(a->n_ray, &a->w->shadow_rays);
-    leave(a->n_ray, a->nx, a->ny, a->nz, a->slack, &a->w->shadow_rays);
-    shadow_rays_pass(a->w, a->b, a->number, a->n_ray, a->point, through);
+        aim_at_samples(n, r);
+    leave(n, s->nx, s->ny, s->nz, s->slack, r);
+    shadow_rays_pass(a->w, a->b, a->number, n, point, through);
+}
+
+static void send_from_all(struct area *a, int n, int sample, struct lit *through)
+{
+    for (int k = 0; k < n; k++)
+        aim_ray(a, k, k, sample);
+    send(a, n, &a->at_point, a->at, through);
 }
 
 static void put(struct lit *out, int i, rgb c)
@@ -248,10 +295,7 @@ static void all_through(struct area *a, int n, struct lit *out)
     for (int k = 0; k < n; k++)
         put(&sum, k, rgb_of(0, 0, 0));
     for (int s = 0; s < a->n_sample; s++) {
-        a->n_ray = 0;
-        for (int k = 0; k < n; k++)
-            add_ray(a, k, s);
-        send(a, &through);
+        send_from_all(a, n, s, &through);
         add_weighed(&sum, n, a->spot[s].weight, &through);
     }
     for (int k = 0; k < n; k++)
@@ -268,7 +312,7 @@ struct grid {
     bool lacks;                         /* a sample is not known yet */
 };
 
-static rgb grid_sample(struct grid *g, int i, int j)
+INLINE rgb grid_sample(struct grid *g, int i, int j)
 {
     struct area_room *room = &g->a->w->area;
     int sample = i * g->a->lamp->area.n2 + j;
@@ -342,21 +386,26 @@ static int go_through(struct area *a, int n, uint16_t from[], struct lit *out)
     return left;
 }
 
-static void learn(struct area *a)
+static void learn(struct area *a, int from, int sample, rgb c)
 {
     struct area_room *room = &a->w->area;
+    size_t one = (size_t)from * (size_t)a->n_sample + (size_t)sample;
+    bool is_grey = c.r == c.g && c.g == c.b;
+
+    room->state[one] = is_grey && c.r == 0 ? DARK : is_grey && c.r == 1 ? OPEN : COLOURED;
+    if (room->state[one] == COLOURED)
+        room->colour[one] = c;
+}
+
+static void learn_rays(struct area *a)
+{
     struct lit through;
 
     if (a->n_ray == 0)
         return;
-    send(a, &through);
-    for (int k = 0; k < a->n_ray; k++) {
-        size_t one = (size_t)a->from[k] * (size_t)a->n_sample + (size_t)a->sample[k];
-        rgb c = rgb_of(through.r[k], through.g[k], through.b[k]);
-        bool is_grey = c.r == c.g && c.g == c.b;
-        room->state[one] = is_grey && c.r == 0 ? DARK : is_grey && c.r == 1 ? OPEN : COLOURED;
-        room->colour[one] = c;
-    }
+    send(a, a->n_ray, &a->ray, a->point, &through);
+    for (int k = 0; k < a->n_ray; k++)
+        learn(a, a->from[k], a->sample[k], rgb_of(through.r[k], through.g[k], through.b[k]));
     a->n_ray = 0;
 }
 
@@ -368,10 +417,48 @@ static void answer(struct area *a)
             for (; wanted->by[word]; wanted->by[word] &= wanted->by[word] - 1) {
                 add_ray(a, word * WORD + __builtin_ctzll(wanted->by[word]), s);
                 if (a->n_ray == BATCH)
-                    learn(a);
+                    learn_rays(a);
             }
     }
-    learn(a);
+    learn_rays(a);
+}
+
+/* Keeps what all samples so far have in common: their least and most. */
+static void join_range(int n, const struct lit *through, float *restrict least, float *restrict most)
+{
+    for (int k = 0; k < n; k++) {
+        float low = smallerf(through->r[k], smallerf(through->g[k], through->b[k]));
+        float high = largerf(through->r[k], largerf(through->g[k], through->b[k]));
+        least[k] = smallerf(low, least[k]);
+        most[k] = largerf(high, most[k]);
+    }
+}
+
+/* Of all points, the samples that are always looked at; returns how many points
+ * see some more and some less.  What is the same for all samples is the light. */
+static int look_first(struct area *a, int n, uint16_t from[], struct lit *out)
+{
+    float least[BATCH], most[BATCH];
+    struct lit through;
+    int left = 0;
+
+    for (int k = 0; k < n; k++)
+        least[k] = INFINITY, most[k] = 0;
+    for (int s = 0; s < a->n_sample; s++) {
+        if (!a->spot[s].always)
+            continue;
+        send_from_all(a, n, s, &through);
+        join_range(n, &through, least, most);
+        for (int k = 0; k < n; k++)
+            learn(a, k, s, rgb_of(through.r[k], through.g[k], through.b[k]));
+    }
+    for (int k = 0; k < n; k++) {
+        if (least[k] < most[k])
+            from[left++] = (uint16_t)k;
+        else
+            put(out, a->at[k], rgb_of(most[k], most[k], most[k]));
+    }
+    return left;
 }
 
 static void some_through(struct area *a, int n, struct lit *out)
@@ -379,13 +466,29 @@ static void some_through(struct area *a, int n, struct lit *out)
     uint16_t from[BATCH];
 
     memset(a->w->area.state, UNKNOWN, (size_t)n * (size_t)a->n_sample);
-    for (int k = 0; k < n; k++)
-        from[k] = (uint16_t)k;
+    n = look_first(a, n, from, out);
     while ((n = go_through(a, n, from, out)) > 0)
         answer(a);
 }
 
 /* ---- a batch ---- */
+
+static void gather(struct area *a, int n)
+{
+    const struct points *p = &a->b->at;
+    struct starts *s = &a->at_point;
+
+    for (int k = 0; k < n; k++) {
+        int i = a->at[k];
+        s->x[k] = p->x[i];
+        s->y[k] = p->y[i];
+        s->z[k] = p->z[i];
+        s->nx[k] = p->nx[i];
+        s->ny[k] = p->ny[i];
+        s->nz[k] = p->nz[i];
+        s->slack[k] = p->slack[i];
+    }
+}
 
 static void turn_axes(struct area *a, int n, const struct beams *to, vec3 axis[][2])
 {
@@ -415,6 +518,7 @@ void area_through(struct worker *w, const struct batch *b, const struct beams *b
     for (int k = 0; k < n; k += step) {
         int some = n - k < step ? n - k : step;
         a.at = at + k;
+        gather(&a, some);
         turn_axes(&a, some, beam, axis);
         if (is_whole)
             all_through(&a, some, out);
