@@ -49,6 +49,12 @@ static struct bounds crust(const void *self)
     return b;
 }
 
+static struct half_space half_space(const void *self)
+{
+    const struct plane *s = self;
+    return (struct half_space) { s->normal, s->distance };
+}
+
 /* Multiplied and not divided, as a box does it: a face in the plane of an axis
  * has then the plane's very t, and the same of the two is seen everywhere. */
 INLINE bool cross(const struct plane *s, struct ray ray, double *t)
@@ -141,6 +147,6 @@ const struct shape_ops shape_plane = {
     .name = "plane", .help = "an infinite plane; the side away from its normal is inside",
     .size = sizeof(struct plane), .defaults = &defaults, .args = args, .n_required = 2,
     .is_solid = true, .is_infinite = true, .most_hits = 1,
-    .prepare = prepare, .bounds = bounds, .crust = crust, .hits = hits, .nearest = nearest, .spans = spans,
+    .prepare = prepare, .bounds = bounds, .crust = crust, .half_space = half_space, .hits = hits, .nearest = nearest, .spans = spans,
     .hits_many = hits_many, .is_quick = true, .starts_inside = starts_inside, .inside = inside, .normal = normal,
 };

@@ -42,6 +42,9 @@ struct bounds { vec3 low, high; };      /* may be infinite; low > high: empty */
 
 enum { SHAPE_MOST_HITS = 64 };          /* the largest most_hits of any row */
 
+/* All points p with normal . p <= distance. */
+struct half_space { vec3 normal; double distance; };
+
 struct packet;
 struct crossings;
 
@@ -67,6 +70,9 @@ struct shape_ops {
 
     /* Bounds of the surface alone; NULL: no better ones than bounds(). */
     struct bounds (*crust)(const void *self);
+
+    /* What is inside of a plane; NULL: the shape is none. */
+    struct half_space (*half_space)(const void *self);
 
     /* A slanted box that fits better than bounds(): its centre, and the ways
      * from there to three of its faces.  NULL: none does. */

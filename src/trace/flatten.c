@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "tree/brick.h"
+#include "trace/polytope.h"
 #include "trace/share.h"
 #include "trace/surface.h"
 #include "trace/world.h"
@@ -365,6 +366,36 @@ static enum csg_kind kind_of(const struct object *o, bool inverse)
     return inverse ? CSG_MERGE : CSG_INTERSECTION;
 }
 
+/* In the space of the whole. */
+static struct half_space half_space_of(const struct leaf *l)
+{
+    struct half_space h = l->ops->half_space(l->shape);
+    double sign = l->inverse ? -1 : 1;
+
+    if (l->placement) {
+        const mat34 *from = &l->placement->place.from;
+        h.distance -= vec_dot(h.normal, mat_point(from, vec(0, 0, 0)));
+        h.normal = mat_normal(from, h.normal);
+    }
+    double k = sign / vec_length(h.normal);
+    return (struct half_space) { vec_scale(h.normal, k), h.distance * k };
+}
+
+/* Planes bound together what none of them bounds alone. */
+static struct bounds bounds_by_planes(const struct csg_builder *c, size_t first_part, uint32_t node,
+                                      struct bounds all)
+{
+    struct half_space face[POLYTOPE_FACES];
+    int n = 0;
+
+    for (size_t i = first_part; i < c->n_part && n < POLYTOPE_FACES; i++) {
+        const struct leaf *l = &c->b->plan->leaf[c->part[i].leaf];
+        if (c->part[i].parent == node && l->ops && l->ops->half_space)
+            face[n++] = half_space_of(l);
+    }
+    return n > 0 ? polytope_bounds(n, face, all) : all;
+}
+
 static struct bounds csg_children(struct csg_builder *c, const struct object *o,
                                   const struct context *within_o, uint32_t parent, bool is_silent)
 {
@@ -372,6 +403,7 @@ static struct bounds csg_children(struct csg_builder *c, const struct object *o,
     uint32_t node = add_node(c, parent, kind);
     bool meet = kind == CSG_INTERSECTION;
     struct bounds all = meet ? BOUNDS_ALL : BOUNDS_EMPTY;
+    size_t first_part = c->n_part;
 
     for (size_t i = 0; i < o->n_child; i++) {
         struct context child = *within_o;
@@ -385,7 +417,7 @@ static struct bounds csg_children(struct csg_builder *c, const struct object *o,
         c->node[node].kind = CSG_UNION;
         return BOUNDS_EMPTY;
     }
-    return all;
+    return meet && !bounds_are_finite(all) ? bounds_by_planes(c, first_part, node, all) : all;
 }
 
 /* A clip is cut with, and shows no surface; inversion does not reach it. */
