@@ -298,6 +298,24 @@ int noise_hash(vec3 cell)
     return h[h[h[wrapped(cell.x)] ^ wrapped(cell.y)] ^ wrapped(cell.z)];
 }
 
+void noise_hash_cube(vec3 corner, int side, int out[])
+{
+    const uint16_t *h = tables()->hash;
+    int x[NOISE_MOST_SIDE], y[NOISE_MOST_SIDE], z[NOISE_MOST_SIDE];
+
+    for (int i = 0; i < side; i++) {
+        x[i] = wrapped(corner.x + i);
+        y[i] = wrapped(corner.y + i);
+        z[i] = wrapped(corner.z + i);
+    }
+    for (int i = 0; i < side; i++)
+        for (int j = 0; j < side; j++) {
+            int row = h[h[x[i]] ^ y[j]];
+            for (int k = 0; k < side; k++)
+                *out++ = h[row ^ z[k]];
+        }
+}
+
 double noise_random(int i)
 {
     static _Atomic(void *) made;

@@ -19,6 +19,8 @@ vec3 noise_vector_turbulence(vec3 p, int octaves, double omega, double lambda);
 /* A random number for each cell of space, and the table behind it. */
 enum { NOISE_HASHES = 4096, NOISE_RANDOMS = 32768 };
 int noise_hash(vec3 cell);                          /* whole coordinates: 0..4095 */
+enum { NOISE_MOST_SIDE = 5 };
+void noise_hash_cube(vec3 corner, int side, int out[]);  /* of side^3 cells from a corner on, z first */
 double noise_random(int i);                         /* 0 <= i < NOISE_RANDOMS: 0 <= result < 1 */
 
 #endif

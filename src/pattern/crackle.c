@@ -37,31 +37,36 @@ struct crowd {
     vec3 point[N_POINTS];
 };
 
-static void add_cell(struct crowd *c, int i, int j, int k)
+static void add_point(struct crowd *c, int seed, int i, int j, int k)
 {
-    vec3 at = vec_add(c->cell, vec(i, j, k));
-    int seed = noise_hash(at);
+    vec3 in = vec(noise_random(seed), noise_random(seed + 1), noise_random(seed + 2));
 
-    c->point[c->n++] = vec_add(at, vec(noise_random(seed), noise_random(seed + 1), noise_random(seed + 2)));
+    c->point[c->n++] = vec_add(vec_add(c->cell, vec(i, j, k)), in);
 }
 
 static void gather_inner(struct crowd *c, vec3 cell)
 {
+    int seed[3 * 3 * 3], *next = seed;
+
     c->cell = cell;
     c->n = 0;
+    noise_hash_cube(vec_sub(cell, vec(1, 1, 1)), 3, seed);
     for (int i = -1; i <= 1; i++)
         for (int j = -1; j <= 1; j++)
             for (int k = -1; k <= 1; k++)
-                add_cell(c, i, j, k);
+                add_point(c, *next++, i, j, k);
 }
 
 static void gather_outer(struct crowd *c)
 {
+    int seed[5 * 5 * 5], *next = seed;
+
+    noise_hash_cube(vec_sub(c->cell, vec(2, 2, 2)), 5, seed);
     for (int i = -2; i <= 2; i++)
         for (int j = -2; j <= 2; j++)
-            for (int k = -2; k <= 2; k++)
+            for (int k = -2; k <= 2; k++, next++)
                 if ((i * i == 4) + (j * j == 4) + (k * k == 4) == 1)
-                    add_cell(c, i, j, k);
+                    add_point(c, *next, i, j, k);
 }
 
 struct three { double d[3]; vec3 nearest; };    /* sums of powers, in increasing order */
