@@ -109,6 +109,8 @@ struct shape_ops {
      * shapes of one or two hits. */
     void (*hits_many)(const void *self, const struct packet *p, const uint8_t may[],
                       struct crossings *out);
+    /* Where nearest() is a little before hits(): moves the first crossings there.  NULL: it is not. */
+    void (*lead)(const void *self, const struct packet *p, struct crossings *c);
     bool many_is_first;                 /* it says no more than nearest() does with 0 < t */
     bool has_slabs;                     /* hits_many wants a prepared packet */
     bool is_quick;                      /* it takes no longer than trying the bounds would */

@@ -180,8 +180,8 @@ static void found_of_unbounded(const struct plan *p, struct scratch *s, const ui
         struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
         s->counts.leaf_tests += (unsigned)v->rays.n;
         leaf_hits_many(l, &v->rays, &asked, &v->view);
-        found_take(&v->found, &v->rays, &v->view.crossings,
-                   rank_of(NO_INSTANCE, item_number(world->unbounded[k])));
+        found_take_leaf(&v->found, &v->rays, l, &v->view,
+                        rank_of(NO_INSTANCE, item_number(world->unbounded[k])));
     }
 }
 

@@ -204,6 +204,14 @@ void found_take(struct found *f, const struct packet *p, const struct crossings 
     }
 }
 
+void found_take_leaf(struct found *f, const struct packet *p, const struct leaf *l, struct leaf_view *view,
+                     int64_t rank)
+{
+    if (l->ops && l->ops->lead)
+        l->ops->lead(l->shape, l->placement ? &view->placed : p, &view->crossings);
+    found_take(f, p, &view->crossings, rank);
+}
+
 void crossings_close(const struct crossings *c, const struct packet *p, const double far[],
                      struct lanes_asked *open)
 {

@@ -57,6 +57,9 @@ void leaf_hits_many(const struct leaf *l, struct packet *p, const struct lanes_a
 /* far NULL: infinite. */
 void found_start(struct found *f, const struct packet *p, const double *far);
 void found_take(struct found *f, const struct packet *p, const struct crossings *c, int64_t rank);
+/* The same of a leaf that has just been asked. */
+void found_take_leaf(struct found *f, const struct packet *p, const struct leaf *l, struct leaf_view *view,
+                     int64_t rank);
 
 /* Takes out of open the rays with a crossing of 0 < t < far[i]. */
 void crossings_close(const struct crossings *c, const struct packet *p, const double far[],

@@ -234,8 +234,8 @@ void nearest_of_choice(const struct plan *p, struct scratch *s, const struct cho
         }
         struct lanes_asked asked = lanes_that_see(&v->rays, mask, l->mask);
         if (volley_leaf(s, l, c->few, k, v->found.t, &asked))
-            found_take(&v->found, &v->rays, &v->view.crossings,
-                       rank_of(NO_INSTANCE, item_number(c->few->item[k])));
+            found_take_leaf(&v->found, &v->rays, l, &v->view,
+                            rank_of(NO_INSTANCE, item_number(c->few->item[k])));
     }
     rest = nearest_of_meshes(p, s, c->few, rest, mask);
     if (rest)
