@@ -603,13 +603,14 @@ static const struct { const char *word, *values; } warp_words[] = {
     { "planar", "VN" }, { "orientation", "v" }, { "dist_exp", "n" }, { "major_radius", "n" },
 };
 
-static void check_warp(struct reader *r, const struct item *i, vec3 v)
+/* A warp that begins with repeat; a black hole's is free. */
+static void check_repeat(struct reader *r, const struct item *i, vec3 v)
 {
-    if (item_is(i, "repeat") && (v.x != 0) + (v.y != 0) + (v.z != 0) != 1)
+    if ((v.x != 0) + (v.y != 0) + (v.z != 0) != 1)
         diag_error(r->lang->diag, i->at, "repeat goes along one axis, as in repeat 2*x");
 }
 
-static bool read_warp_word(struct reader *r, const struct item *i)
+static bool read_warp_word(struct reader *r, const struct item *i, bool is_first)
 {
     for (size_t w = 0; w < sizeof warp_words / sizeof *warp_words; w++) {
         if (i->kind != ITEM_WORD || !item_is(i, warp_words[w].word))
@@ -617,10 +618,13 @@ static bool read_warp_word(struct reader *r, const struct item *i)
         for (const char *v = warp_words[w].values; *v; v++) {
             if (*v < 'a' && !(reader_skip_comma(r), reader_is_number(r)))
                 break;
-            if (*v == 'v' || *v == 'V')
-                check_warp(r, i, build_vector(r, true, warp_words[w].word));
-            else
+            if (*v == 'n' || *v == 'N') {
                 reader_number(r, true, warp_words[w].word);
+                continue;
+            }
+            vec3 vector = build_vector(r, true, warp_words[w].word);
+            if (is_first && item_is(i, "repeat"))
+                check_repeat(r, i, vector);
         }
         return true;
     }
@@ -635,9 +639,9 @@ static void read_warp(struct reader *r, struct patterned *p, const struct item *
 
     reader_open(&in, r->lang, i->body);
     for (struct item word = reader_next(&in); word.kind != ITEM_END; word = reader_next(&in)) {
-        is_empty = false;
-        if (!read_warp_word(&in, &word))
+        if (!read_warp_word(&in, &word, is_empty))
             build_unknown(r->lang, &word, "warp", tables);
+        is_empty = false;
     }
     reader_close(&in);
     if (is_empty)
