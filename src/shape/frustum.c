@@ -339,7 +339,9 @@ bool frustum_inside(const void *self, vec3 p)
     vec3 q = to_own(s, p);
     double rho = fma(s->slope, q.z, s->r);
 
-    return q.z >= 0 && q.z <= s->height && q.x * q.x + q.y * q.y < rho * rho;
+    /* As in POV-Ray, an end is outside of what it closes. */
+    bool between = s->is_open ? q.z >= 0 && q.z <= s->height : q.z > 0 && q.z < s->height;
+    return between && q.x * q.x + q.y * q.y < rho * rho;
 }
 
 /* Of the wall: the gradient of (x^2 + y^2 - rho^2) / 2; the apex has none. */

@@ -357,7 +357,7 @@ static bool nearest(const void *self, const struct ray *along, double near, doub
     return true;
 }
 
-static bool inside(const void *self, vec3 p) { return value_at(self, p) < 0; }
+static bool inside(const void *self, vec3 p) { return value_at(self, p) <= 0; }
 
 static vec3 normal(const void *self, vec3 p, const struct hit *h)
 {
