@@ -300,8 +300,11 @@ static void straight_through(struct worker *w, const struct batch *b, const stru
     struct lit through;
 
     leave(&b->at, beam, &w->shadow_rays);
-    if (n < b->at.n)
-        keep_wanted(&w->shadow_rays, n, at);
+    if (n == b->at.n) {                 /* at[k] is k */
+        shadow_rays_pass(w, b, lamp, n, at, out);
+        return;
+    }
+    keep_wanted(&w->shadow_rays, n, at);
     shadow_rays_pass(w, b, lamp, n, at, &through);
     for (int k = 0; k < n; k++)
         put(out, at[k], rgb_of(through.r[k], through.g[k], through.b[k]));
