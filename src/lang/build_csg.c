@@ -18,7 +18,7 @@ static void warn_patch(struct lang *l, const struct object *of, const struct obj
 {
     bool cuts = of->kind == OBJECT_INTERSECTION || of->kind == OBJECT_DIFFERENCE;
     bool patch = (child->kind == OBJECT_SHAPE || child->kind == OBJECT_MESH)
-                 && !object_is_solid(child);
+                 && !object_has_inside(child);
 
     if (cuts && patch)
         diag_warning(l->diag, child->at, "this has no inside: in an intersection or difference it cuts nothing");

@@ -122,7 +122,7 @@ static void set_flag(struct object *o, unsigned flag, bool on)
 
 static void invert(struct reader *r, struct object *o, struct loc at)
 {
-    bool patch = o->kind == OBJECT_SHAPE && !o->ops->is_solid;
+    bool patch = o->kind == OBJECT_SHAPE && !o->ops->inside;
 
     if (patch)
         diag_warning(r->lang->diag, at, "%s has no inside: inverse changes nothing", o->ops->name);

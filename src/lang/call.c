@@ -276,8 +276,8 @@ static const struct asked *asked_of(struct lang *l, const struct object *o)
 
     if (!*known) {
         struct asked *asked = arena_alloc(l->mem, sizeof *asked);
-        asked->lacks = what_lacks(o);   /* what is behind a disc is inside of it: */
-        asked->has_inside = (o->kind == OBJECT_SHAPE && o->ops->inside) || object_is_solid(o);
+        asked->lacks = what_lacks(o);
+        asked->has_inside = object_has_inside(o);
         asked->extent = object_extent(o);
         *known = asked;
     }

@@ -123,7 +123,7 @@ struct bounds object_bounds(const struct object *o);
 struct bounds object_extent(const struct object *o);    /* POV-Ray's, which is looser: extent.c */
 struct bounds object_inner_bounds(const struct object *o);      /* of its shape or children, in inner space */
 struct bounds bounds_move(const struct bounds *b, const struct transform *t);
-bool object_is_solid(const struct object *o);           /* all of it has an inside */
+bool object_has_inside(const struct object *o);           /* all of it has an inside */
 
 /* --- one question about one object: the language's inside() and trace() ------------- */
 

@@ -1,18 +1,18 @@
 /* object_inside.c: is a point inside of an object? */
 #include "scene/parts.h"
 
-bool object_is_solid(const struct object *o)
+bool object_has_inside(const struct object *o)
 {
     size_t n = 0;
 
     if (o->kind == OBJECT_SHAPE)
-        return o->ops->is_solid;
+        return o->ops->inside != NULL;  /* what is behind a disc is inside of it */
     if (o->kind == OBJECT_MESH)
         return vec_largest(o->mesh->inside_vector) > 0;
     for (size_t i = 0; i < o->n_child; i++) {
         if (o->child[i]->kind == OBJECT_LIGHT)
             continue;
-        if (!object_is_solid(o->child[i]))
+        if (!object_has_inside(o->child[i]))
             return false;
         n++;
     }
