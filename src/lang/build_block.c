@@ -208,7 +208,7 @@ static double in_range(struct reader *r, const struct field *f, const char *word
         diag_error(r->lang->diag, at, "%s must be above 0, not %g", word, x);
     else if (isinf(f->high))
         diag_error(r->lang->diag, at, "%s must be at least %g, not %g", word, f->low, x);
-    else if (isinf(f->low))
+    else if (isinf(f->low) || f->low == DBL_MIN)
         diag_error(r->lang->diag, at, "%s must be at most %g, not %g", word, f->high, x);
     else
         diag_error(r->lang->diag, at, "%s must be between %g and %g, not %g", word, f->low,
