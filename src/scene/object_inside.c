@@ -19,27 +19,14 @@ bool object_has_inside(const struct object *o)
     return n > 0;
 }
 
-static bool crosses(vec3 p, vec3 dir, vec3 a, vec3 b, vec3 c)
-{
-    vec3 ab = vec_sub(b, a), ac = vec_sub(c, a), s = vec_sub(p, a);
-    vec3 h = vec_cross(dir, ac), q = vec_cross(s, ab);
-    double det = vec_dot(ab, h);
-
-    if (det == 0)
-        return false;
-    double u = vec_dot(s, h) / det, v = vec_dot(dir, q) / det;
-    return u >= 0 && v >= 0 && u + v <= 1 && vec_dot(ac, q) / det > 0;
-}
-
 /* Crossings of the inside vector from p are counted. */
 struct count { const struct mesh *mesh; const struct parts *parts; vec3 p; bool odd; };
 
 static void count_face(struct count *c, size_t face)
 {
-    const struct mesh *m = c->mesh;
-    const uint32_t *v = m->face[face].of;
+    struct crossing at;
 
-    c->odd ^= crosses(c->p, m->inside_vector, m->vertex[v[0]], m->vertex[v[1]], m->vertex[v[2]]);
+    c->odd ^= face_crosses(c->mesh, face, (struct ray) { c->p, c->mesh->inside_vector }, &at) && at.t > 0;
 }
 
 static bool count_faces(void *arg, const uint32_t item[], uint32_t bits, double *far)

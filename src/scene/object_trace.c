@@ -134,18 +134,10 @@ static vec3 face_normal(const struct mesh *m, size_t face, vec3 flat, double u, 
 static void try_face(struct search *f, const struct step *s, struct ray r, size_t face)
 {
     const struct mesh *m = s->object->mesh;
-    const uint32_t *corner = m->face[face].of;
-    vec3 a = m->vertex[corner[0]];
-    vec3 ab = vec_sub(m->vertex[corner[1]], a), ac = vec_sub(m->vertex[corner[2]], a);
-    vec3 h = vec_cross(r.dir, ac), to = vec_sub(r.origin, a), q = vec_cross(to, ab);
-    double det = vec_dot(ab, h);
+    struct crossing at;
 
-    if (det == 0)
-        return;
-    double u = vec_dot(to, h) / det, v = vec_dot(r.dir, q) / det;
-    if (u < 0 || v < 0 || u + v > 1 || !is_nearer(f, vec_dot(ac, q) / det))
-        return;
-    offer(f, s, vec_dot(ac, q) / det, face_normal(m, face, vec_cross(ac, ab), u, v));
+    if (face_crosses(m, face, r, &at) && is_nearer(f, at.t))
+        offer(f, s, at.t, face_normal(m, face, at.flat, at.u, at.v));
 }
 
 static void slab(double o, double d, double low, double high, double *near, double *far)
@@ -239,7 +231,7 @@ static void try_object(struct search *f, const struct step *s, struct ray ray)
 {
     const struct object *o = s->object;
     struct ray r = inner_ray(ray, o->place);
-    struct bounds box = o->n_child ? o->more->box : object_inner_bounds(o);
+    struct bounds box = object_inner_box(o);
 
     if (!reaches(&box, r, f->nearest))
         return;

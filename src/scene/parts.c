@@ -14,10 +14,31 @@ static struct bounds face_box(const struct mesh *m, size_t face)
     return b;
 }
 
+struct bounds object_inner_box(const struct object *o)
+{
+    return o->n_child && o->more->has_box ? o->more->box : object_inner_bounds(o);
+}
+
+/* Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection (1997). */
+bool face_crosses(const struct mesh *m, size_t face, struct ray r, struct crossing *out)
+{
+    const uint32_t *corner = m->face[face].of;
+    vec3 a = m->vertex[corner[0]];
+    vec3 ab = vec_sub(m->vertex[corner[1]], a), ac = vec_sub(m->vertex[corner[2]], a);
+    vec3 h = vec_cross(r.dir, ac), to = vec_sub(r.origin, a), q = vec_cross(to, ab);
+    double det = vec_dot(ab, h);
+
+    if (det == 0)
+        return false;
+    *out = (struct crossing) { vec_dot(ac, q) / det, vec_dot(to, h) / det, vec_dot(r.dir, q) / det,
+                               vec_cross(ac, ab) };
+    return out->u >= 0 && out->v >= 0 && out->u + out->v <= 1;
+}
+
 /* Of the surface. */
 static struct bounds child_box(const struct object *o)
 {
-    struct bounds b = o->n_child && o->more->has_box ? o->more->box : object_inner_bounds(o);
+    struct bounds b = object_inner_box(o);
 
     return bounds_move(&b, o->place);
 }

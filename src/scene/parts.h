@@ -23,4 +23,12 @@ struct parts {
 /* NULL: the object has few parts, and all are to be asked. */
 const struct parts *object_parts(struct object_trees *t, const struct object *o);
 
+/* Holds its surface, in its inner space; perhaps not tightly. */
+struct bounds object_inner_box(const struct object *o);
+
+/* Where a line crosses a face: t of either sign, the weights of its second and
+ * third corner, and its normal. */
+struct crossing { double t, u, v; vec3 flat; };
+bool face_crosses(const struct mesh *m, size_t face, struct ray r, struct crossing *out);
+
 #endif

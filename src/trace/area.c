@@ -270,13 +270,6 @@ static void send_from_all(struct area *a, int n, int sample, struct lit *through
     send(a, n, &a->at_point, a->at, through);
 }
 
-static void put(struct lit *out, int i, rgb c)
-{
-    out->r[i] = c.r;
-    out->g[i] = c.g;
-    out->b[i] = c.b;
-}
-
 /* ---- all samples of all points ---- */
 
 static void add_weighed(struct lit *sum, int n, float weight, const struct lit *through)
@@ -293,13 +286,13 @@ static void all_through(struct area *a, int n, struct lit *out)
     struct lit through, sum;
 
     for (int k = 0; k < n; k++)
-        put(&sum, k, rgb_of(0, 0, 0));
+        lit_put(&sum, k, rgb_of(0, 0, 0));
     for (int s = 0; s < a->n_sample; s++) {
         send_from_all(a, n, s, &through);
         add_weighed(&sum, n, a->spot[s].weight, &through);
     }
     for (int k = 0; k < n; k++)
-        put(out, a->at[k], rgb_of(sum.r[k], sum.g[k], sum.b[k]));
+        lit_put(out, a->at[k], rgb_of(sum.r[k], sum.g[k], sum.b[k]));
 }
 
 /* ---- where samples differ ---- */
@@ -379,7 +372,7 @@ static int go_through(struct area *a, int n, uint16_t from[], struct lit *out)
     for (int k = 0; k < n; k++) {
         struct grid g = { a, from[k], (size_t)from[k] * (size_t)a->n_sample, false };
         rgb light = patch_light(&g, whole_grid(a->lamp), 0);
-        put(out, a->at[from[k]], light);
+        lit_put(out, a->at[from[k]], light);
         if (g.lacks)
             from[left++] = from[k];
     }
@@ -456,7 +449,7 @@ static int look_first(struct area *a, int n, uint16_t from[], struct lit *out)
         if (least[k] < most[k])
             from[left++] = (uint16_t)k;
         else
-            put(out, a->at[k], rgb_of(most[k], most[k], most[k]));
+            lit_put(out, a->at[k], rgb_of(most[k], most[k], most[k]));
     }
     return left;
 }

@@ -195,13 +195,6 @@ static void keep_wanted(struct shadow_rays *r, int n, const uint16_t at[])
     }
 }
 
-static void put(struct lit *out, int i, rgb c)
-{
-    out->r[i] = c.r;
-    out->g[i] = c.g;
-    out->b[i] = c.b;
-}
-
 static rgb behind(struct worker *w, const struct shadow_rays *r, int k, uint32_t lamp,
                   uint32_t inside)
 {
@@ -266,7 +259,7 @@ static void put_counted(const struct plan *p, struct counted *c, struct lit *out
 {
     filter_counted(p, c);
     for (int k = 0; k < c->n; k++)
-        put(out, c->at[k], rgb_of(c->r[k], c->g[k], c->b[k]));
+        lit_put(out, c->at[k], rgb_of(c->r[k], c->g[k], c->b[k]));
 }
 
 /* ---- a batch ---- */
@@ -284,11 +277,11 @@ void shadow_rays_pass(struct worker *w, const struct batch *b, uint32_t lamp, in
         uint64_t barrier = r->barrier[k];
         const unsigned *count = barrier == 0 ? NULL : geometry_tallied(w->scratch, barrier);
         float open = barrier == 0 ? 1 : 0;
-        put(out, k, rgb_of(open, open, open));
+        lit_put(out, k, rgb_of(open, open, open));
         if (count)
             counted_add(&counted, w->plan->n_tally, count, (uint16_t)k);
         else if (barrier != 0 && barrier != BARRIER_OPAQUE)
-            put(out, k, behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
+            lit_put(out, k, behind(w, r, k, lamp, w->now.inside[b->at.index[at[k]]]));
     }
     if (counted.n)
         put_counted(w->plan, &counted, out);
@@ -307,7 +300,7 @@ static void straight_through(struct worker *w, const struct batch *b, const stru
     keep_wanted(&w->shadow_rays, n, at);
     shadow_rays_pass(w, b, lamp, n, at, &through);
     for (int k = 0; k < n; k++)
-        put(out, at[k], rgb_of(through.r[k], through.g[k], through.b[k]));
+        lit_put(out, at[k], rgb_of(through.r[k], through.g[k], through.b[k]));
 }
 
 static void look(struct worker *w, const struct batch *b, const struct beams *beam, uint32_t lamp,
@@ -346,7 +339,7 @@ static void look_once(struct worker *w, const struct batch *b, const struct beam
         known[b->slot[i]] = true;
     }
     for (int k = 0; k < n; k++)
-        put(out, at[k], through[b->slot[at[k]]]);
+        lit_put(out, at[k], through[b->slot[at[k]]]);
 }
 
 void shadow_through(struct worker *w, const struct batch *b, const struct beams *beam,

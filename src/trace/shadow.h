@@ -7,6 +7,14 @@
 /* What gets through of a lamp's light to the points at[0..n) of a batch; 1:
  * all of it.  0 at other points. */
 struct lit { float r[BATCH], g[BATCH], b[BATCH]; };
+
+INLINE void lit_put(struct lit *out, int i, rgb c)
+{
+    out->r[i] = c.r;
+    out->g[i] = c.g;
+    out->b[i] = c.b;
+}
+
 void shadow_through(struct worker *w, const struct batch *b, const struct beams *beam,
                     uint32_t lamp, int n, const uint16_t at[], struct lit *out);
 
